@@ -1,0 +1,56 @@
+// SPDX-FileCopyrightText: 2026 Shadow Layers contributors
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <glm/glm.hpp>
+#include <vector>
+
+#include "frame/frame.h"
+#include "shadow_layers/scene.h"
+
+namespace shadow_layers {
+
+/// One map's worth of a light position: a cube face, a spot's cone, a sun's rectangle (later: a cascade).
+///
+/// Light clip space "_lc": x and y in [-w, w] over the map *including* its border; depth reversed, z / w = 1 on the near
+/// plane and 0 on the far plane (GL_ZERO_TO_ONE). So window depth "depth_rz" is larger nearer to the light, planar
+/// over a triangle, and precise in float at any near : far ratio. The z row is built from w - near and far - w in double
+/// and is not derived from the float w row: a far spot with a tight range keeps its precision.
+struct LightView {
+    bool perspective = true;
+    int size_texels = 0;     ///< side of the square map, border included
+    int border_texels = 0;   ///< on each side, inside size_texels
+    double near_ls = 0, far_ls = 0;    ///< along the view's -Z, scene units
+    glm::dmat4 ls_from_ws{1.0};        ///< rigid: world to the view's light space (looks along -Z)
+    glm::dmat4 lc_from_ls{1.0};        ///< projection as above
+    glm::dmat4 lc_from_ws{1.0};        ///< product, for geometry in double
+    std::uint8_t face = 0;             ///< cube face 0..5 (+X -X +Y -Y +Z -Z of the light position's axes)
+    std::vector<std::uint32_t> casters;  ///< indices into Scene::instances that can cast into this view's region
+    ContentKey key;                      ///< of everything a map drawn from this view depends on
+};
+
+/// A point from which the light is cast, with the views that cover its receivers.
+struct LightPosition {
+    bool directional = false;
+    glm::dvec3 position_ws{0.0};      ///< unless directional
+    glm::dvec3 to_light_ws{0, 0, 1};  ///< unit, towards the light; of a sun. For spot and area: minus their direction
+    glm::dmat3 axes_ws{1.0};          ///< columns: x, y, z of the light's cube axes in world space
+    double cone_cos = -2;             ///< spot: cos of half the cone; area: 0 (front half-space); else -2 (everything)
+    bool cube = false;                ///< receivers choose their view by cube face (views[k].face)
+    std::vector<LightView> views;     ///< only those with receivers; empty: no receiver faces this light
+};
+
+/// What the maker of views needs to know of the technique.
+struct ViewSettings {
+    int map_size = 1024;
+    int border_texels = 0;
+    int position_count = 1;
+};
+
+/// The positions of a light and their views, fitted to the receivers in `frame` that face the light, are in its cone and
+/// in its receiver set, and to the casters that can reach them. `previous` (may be null), made for another sample of the
+/// same pixels, is kept where it still covers the receivers, so that jittered samples share their maps.
+std::vector<LightPosition> make_light_positions(const Frame& frame, const Light& light, const ViewSettings& settings,
+                                                const std::vector<LightPosition>* previous = nullptr);
+
+}  // namespace shadow_layers

@@ -1,0 +1,36 @@
+// SPDX-FileCopyrightText: 2026 Shadow Layers contributors
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <algorithm>
+
+#include "shadow_layers/error.h"
+#include "techniques/technique.h"
+
+namespace shadow_layers {
+
+const std::vector<TechniqueEntry>& technique_entries() {
+    static const std::vector<TechniqueEntry> entries = {
+        // One line per technique, in menu order.
+    };
+    return entries;
+}
+
+const std::vector<TechniqueDescriptor>& technique_descriptors() {
+    static const std::vector<TechniqueDescriptor> descriptors = [] {
+        std::vector<TechniqueDescriptor> made;
+        for (const TechniqueEntry& entry : technique_entries()) made.push_back(entry.describe());
+        return made;
+    }();
+    return descriptors;
+}
+
+const TechniqueDescriptor& find_technique_descriptor(std::string_view id) {
+    const auto& all = technique_descriptors();
+    const auto it = std::find_if(all.begin(), all.end(), [&](const auto& d) { return d.id == id; });
+    if (it != all.end()) return *it;
+    std::string known;
+    for (const auto& d : all)
+        if (!d.test_only) known += (known.empty() ? "" : ", ") + d.id;
+    throw InputError("there is no technique \"" + std::string(id) + "\"; the techniques are: " + known);
+}
+
+}  // namespace shadow_layers
