@@ -1,0 +1,126 @@
+// SPDX-FileCopyrightText: 2026 Shadow Layers contributors
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <map>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "base/cancel_token.h"
+#include "base/thread_pool.h"
+#include "engine/draw_state.h"
+#include "engine/stage_cache.h"
+#include "engine/stage_record.h"
+#include "gl/buffer.h"
+#include "gl/device.h"
+#include "gl/framebuffer.h"
+#include "gl/program.h"
+#include "gl/shader_source.h"
+#include "gl/texture.h"
+#include "gl/vertex_array.h"
+
+namespace shadow_layers {
+
+class Context;
+class Engine;
+class MeshCache;
+
+struct EngineOptions {
+    std::string shader_dir;
+    int threads = 0;
+    std::size_t gpu_cache_bytes = std::size_t{1} << 30;  ///< half for meshes, half for stage results
+    bool debug = false;
+};
+
+/// Times what happens while it lives, as one stage of the current record. Not nested: the outer would count the inner too.
+/// Its end asks GL for errors; the next Engine call that may throw reports them under the stage's name.
+class StageTimer {
+public:
+    StageTimer(Engine& engine, std::string stage);
+    ~StageTimer();
+    StageTimer(const StageTimer&) = delete;
+    StageTimer& operator=(const StageTimer&) = delete;
+
+private:
+    Engine& engine_;
+    std::string stage_;
+    StageRecord::Mark mark_;
+};
+
+/// What techniques and stages get: GL, programs, caches, threads, clocks, the cancel token. Lives on the worker thread,
+/// which owns the context. Everything here is called from that thread only, except within ThreadPool loops, which must
+/// not touch GL.
+class Engine {
+public:
+    Engine(Context& context, const EngineOptions& options);
+    ~Engine();
+    Engine(const Engine&) = delete;
+    Engine& operator=(const Engine&) = delete;
+
+    const gl::Device& device() const { return *device_; }
+    const GladGLContext& gl() const { return device_->gl(); }
+    const gl::Limits& limits() const { return device_->limits(); }
+    bool software() const { return device_->software(); }
+
+    /// The program of these files (paths from the shader folder) and defines; compiled once, kept for the engine's life.
+    const gl::Program& program(const std::string& vertex, const std::string& fragment, const gl::Defines& defines = {});
+    /// Any set of stages: {"x.vert", "x.geom", "x.frag"} or {"x.comp"}.
+    const gl::Program& program(const std::vector<std::string>& files, const gl::Defines& defines = {});
+
+    /// Results of stages, kept between frames by the keys of their inputs.
+    StageCache& stages() { return *stages_; }
+    /// Meshes on the GPU; used through draw_scene (engine/scene_draw.h).
+    MeshCache& meshes() { return *meshes_; }
+    ThreadPool& threads() { return *threads_; }
+    CancelToken& cancel_token() { return cancel_; }
+
+    /// Throws Cancelled if the session was told so, DriverError if a stage left a GL error. Call it in long CPU loops
+    /// (from this thread) and between draws.
+    void check_cancelled();
+
+    /// `auto timer = engine.time_stage("depth_map");` CPU wall time and GL time of the scope, summed by name.
+    [[nodiscard]] StageTimer time_stage(const char* stage) { return StageTimer(*this, stage); }
+    void count(const std::string& counter, std::int64_t amount);
+    /// Kept once per render, in order.
+    void warn(const std::string& text);
+
+    /// Sets state and draws one triangle over the viewport with the program in use (vertex: "frame/fullscreen.vert").
+    void draw_fullscreen(const DrawState& state = {});
+    /// Compute: groups to cover `items` threads at `group` per group.
+    static GLuint group_count(int items, int group) { return GLuint((items + group - 1) / group); }
+
+    // --- for the session and tests ---
+    /// Where times and counts go from now on; null: nowhere. Not owned.
+    void set_record(StageRecord* record) { record_ = record; }
+    StageRecord* record() { return record_; }
+    std::vector<std::string> take_warnings();
+    /// Vertex stream for draw_scene, grown as needed; its old content is dropped.
+    gl::Buffer& instance_stream(std::size_t bytes);
+    /// DriverError if GL reported an error, now or at the end of an earlier stage.
+    void check_gl(const char* where);
+    /// Bytes on the GL held by all objects alive.
+    std::size_t gpu_bytes() const { return device_->live_bytes(); }
+    /// Lets no more than one earlier batch of draws be unfinished: what a cancel waits for stays short.
+    void limit_queue();
+    /// Waits for all GL work.
+    void finish();
+
+private:
+    friend class StageTimer;
+    std::unique_ptr<gl::Device> device_;
+    std::unique_ptr<gl::ShaderSource> sources_;
+    std::unique_ptr<ThreadPool> threads_;
+    CancelToken cancel_;
+    std::map<std::string, gl::Program> programs_;
+    std::unique_ptr<StageCache> stages_;
+    std::unique_ptr<MeshCache> meshes_;
+    gl::VertexArray empty_vertices_;
+    gl::Buffer instance_stream_;
+    GLsync last_batch_ = nullptr;
+    StageRecord* record_ = nullptr;
+    std::string stage_error_;
+    std::vector<std::string> warnings_;
+};
+
+}  // namespace shadow_layers

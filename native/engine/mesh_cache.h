@@ -1,0 +1,51 @@
+// SPDX-FileCopyrightText: 2026 Shadow Layers contributors
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <list>
+#include <map>
+#include <memory>
+
+#include "gl/buffer.h"
+#include "gl/vertex_array.h"
+#include "shadow_layers/scene.h"
+
+namespace shadow_layers {
+
+class Engine;
+
+/// A mesh on the GPU. Triangles keep their numbers: one that uses a vertex that is not finite is stored with no area.
+struct GpuMesh {
+    std::shared_ptr<const gl::Buffer> position_buf;  ///< float x, y, z about `centre`, tightly packed
+    std::shared_ptr<const gl::Buffer> index_buf;     ///< three uint32 per triangle
+    gl::VertexArray vertices;
+    glm::dvec3 centre{0.0};            ///< object space; exact in double
+    std::uint32_t triangle_count = 0;
+    std::uint32_t dropped_count = 0;   ///< triangles without area for a vertex that is not finite
+    std::size_t byte_size() const { return position_buf->byte_size() + index_buf->byte_size(); }
+};
+
+/// Uploaded meshes by content, least recently used out first when over budget. Positions and triangles that stay the
+/// same between frames are not sent again.
+class MeshCache {
+public:
+    explicit MeshCache(std::size_t budget_bytes) : budget_bytes_(budget_bytes) {}
+
+    /// Stays valid while the pointer is held, also when pushed out. Warns once per upload of dropped triangles.
+    std::shared_ptr<GpuMesh> get(Engine& engine, const Mesh& mesh);
+    void clear();
+    std::size_t bytes() const { return bytes_; }
+    std::size_t upload_count() const { return upload_count_; }  ///< for tests
+
+private:
+    using Key = std::pair<ContentKey, ContentKey>;
+    struct Entry {
+        Key key;
+        std::shared_ptr<GpuMesh> mesh;
+    };
+    std::list<Entry> entries_;  ///< most recently used first
+    std::map<Key, std::list<Entry>::iterator> index_;
+    std::size_t budget_bytes_, bytes_ = 0, upload_count_ = 0;
+};
+
+}  // namespace shadow_layers
