@@ -1,0 +1,28 @@
+# SPDX-FileCopyrightText: 2026 Shadow Layers contributors
+# SPDX-License-Identifier: GPL-3.0-or-later
+# Sourced by the other scripts: where things are, and how a line of progress is printed.
+set -euo pipefail
+
+root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
+cache=${SHADOW_LAYERS_CACHE:-${XDG_CACHE_HOME:-$HOME/.cache}/shadow-layers}
+base_python=/usr/bin/python3.11 # the bpy wheels of 4.5 and 5.0, and Debian's Blender, are all CPython 3.11
+build_dir=${SHADOW_LAYERS_BUILD:-$root/build/release}
+
+say() { printf '[%s] %s\n' "${script_name:-shadow-layers}" "$*"; }
+die() {
+    printf '[%s] error: %s\n' "${script_name:-shadow-layers}" "$*" >&2
+    exit 1
+}
+
+# Folder of an environment: its name and the hash of its requirement file, so that a change of a pin makes a new one
+# and every checkout with the same pins shares it.
+env_dir() {
+    local hash
+    hash=$(sha256sum "$root/requirements/$1.txt") || die "requirements/$1.txt is missing"
+    printf '%s/envs/%s-%s' "$cache" "$1" "${hash:0:12}"
+}
+
+env_python() { printf '%s/bin/python' "$(env_dir "$1")"; }
+
+# True once the environment was made to its end.
+env_is_made() { [ -f "$(env_dir "$1")/.complete" ]; }
