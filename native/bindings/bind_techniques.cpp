@@ -1,0 +1,96 @@
+// SPDX-FileCopyrightText: 2026 Shadow Layers contributors
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <variant>
+
+#include "bindings/bindings.h"
+#include "bindings/convert.h"
+#include "shadow_layers/technique_descriptor.h"
+
+namespace shadow_layers::bindings {
+namespace {
+
+const char* type_name(ParameterType type) {
+    switch (type) {
+        case ParameterType::Bool:
+            return "bool";
+        case ParameterType::Int:
+            return "int";
+        case ParameterType::Float:
+            return "float";
+        case ParameterType::Enum:
+            return "enum";
+    }
+    return "float";
+}
+
+py::dict parameter_info(const ParameterSpec& spec) {
+    py::dict info;
+    info["id"] = spec.id;
+    info["label"] = spec.label;
+    info["type"] = type_name(spec.type);
+    info["default"] = std::visit([](const auto& value) -> py::object { return py::cast(value); }, spec.default_value);
+    info["min"] = spec.min;
+    info["max"] = spec.max;
+    info["step"] = spec.step;
+    info["unit"] = spec.unit;
+    info["help"] = spec.help;
+    py::list items;
+    for (const EnumItem& item : spec.items) {
+        py::dict entry;
+        entry["id"] = item.id;
+        entry["label"] = item.label;
+        entry["help"] = item.help;
+        items.append(entry);
+    }
+    info["items"] = items;
+    info["shared"] = spec.shared;
+    return info;
+}
+
+py::dict output_info(const OutputSpec& output) {
+    py::dict info;
+    info["id"] = output.id;
+    info["label"] = output.label;
+    info["channels"] = output.channels;
+    info["help"] = output.help;
+    return info;
+}
+
+py::dict technique_info(const TechniqueDescriptor& descriptor) {
+    py::dict info;
+    info["id"] = descriptor.id;
+    info["label"] = descriptor.label;
+    info["summary"] = descriptor.summary;
+    info["reference"] = descriptor.reference;
+    info["limits"] = descriptor.limits;
+    py::list lights, parameters, outputs;
+    for (const LightKind kind : descriptor.lights) lights.append(light_kind_name(kind));
+    for (const ParameterSpec& spec : descriptor.parameters) parameters.append(parameter_info(spec));
+    for (const OutputSpec& output : descriptor.outputs) outputs.append(output_info(output));
+    info["lights"] = lights;
+    info["parameters"] = parameters;
+    info["outputs"] = outputs;
+    info["test_only"] = descriptor.test_only;
+    return info;
+}
+
+py::list techniques() {
+    py::list list;
+    for (const TechniqueDescriptor& descriptor : technique_descriptors()) list.append(technique_info(descriptor));
+    return list;
+}
+
+py::dict resolve(const std::string& technique, const py::object& given) {
+    const TechniqueDescriptor& descriptor = find_technique_descriptor(technique);
+    return parameters_to(resolve_parameters(technique, descriptor.parameters, parameters_from("given", given)));
+}
+
+}  // namespace
+
+void bind_techniques(py::module_& module) {
+    module.def("techniques", &techniques, "All techniques as data, in menu order.");
+    module.def("resolve_parameters", &resolve, py::arg("technique"), py::arg("given"),
+               "Defaults filled in and values checked; InputError names technique, parameter, value and range.");
+}
+
+}  // namespace shadow_layers::bindings

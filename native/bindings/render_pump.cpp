@@ -1,0 +1,93 @@
+// SPDX-FileCopyrightText: 2026 Shadow Layers contributors
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "bindings/render_pump.h"
+
+#include <cxxabi.h>
+
+#include <chrono>
+#include <exception>
+#include <thread>
+
+#include "bindings/bindings.h"
+
+namespace shadow_layers::bindings {
+namespace {
+
+constexpr std::chrono::milliseconds kPollInterval{50};
+
+}  // namespace
+
+void RenderPump::post_layer(Layer&& layer) {
+    std::unique_lock lock(mutex_);
+    changed_.wait(lock, [&] { return !layer_ || abandoned_; });
+    if (abandoned_) return;
+    layer_ = std::move(layer);
+    changed_.notify_all();
+}
+
+RenderPump::Messages RenderPump::wait() {
+    const GilRelease release;
+    std::unique_lock lock(mutex_);
+    changed_.wait_for(lock, kPollInterval, [&] { return layer_ || progress_ || done_; });
+    Messages messages;
+    messages.layer = std::exchange(layer_, std::nullopt);
+    messages.progress = std::exchange(progress_, std::nullopt);
+    messages.done = done_;
+    changed_.notify_all();
+    return messages;
+}
+
+void RenderPump::abandon() {
+    {
+        std::lock_guard lock(mutex_);
+        abandoned_ = true;
+        layer_.reset();
+        changed_.notify_all();
+    }
+    session_.cancel();
+}
+
+FrameResult RenderPump::run(const RenderRequest& request, const RenderListener& listener) {
+    FrameResult result;
+    std::exception_ptr core_failure, listener_failure;
+    std::jthread helper([&] {
+        try {
+            ProgressSink progress;
+            if (listener.on_progress) {
+                progress = [&](double fraction, const std::string& text) {
+                    std::lock_guard lock(mutex_);
+                    progress_ = {fraction, text};
+                    changed_.notify_all();
+                };
+            }
+            result = session_.render(
+                request, [&](Layer&& layer) { post_layer(std::move(layer)); }, progress);
+        } catch (...) {
+            core_failure = std::current_exception();
+        }
+        std::lock_guard lock(mutex_);
+        done_ = true;
+        changed_.notify_all();
+    });
+    for (bool done = false; !done;) {
+        Messages messages = wait();
+        // Only what was taken after the end was posted is surely the last.
+        done = messages.done;
+        try {
+            if (!listener_failure && messages.layer) listener.on_layer(std::move(*messages.layer));
+            if (!listener_failure && messages.progress)
+                listener.on_progress(messages.progress->first, messages.progress->second);
+            if (!listener_failure) listener.poll();
+        } catch (abi::__forced_unwind&) {
+            throw;  // Python ends this thread
+        } catch (...) {
+            listener_failure = std::current_exception();
+        }
+        if (listener_failure && !done) abandon();  // again each time: the first may come before the render has begun
+    }
+    if (listener_failure) std::rethrow_exception(listener_failure);
+    if (core_failure) std::rethrow_exception(core_failure);
+    return result;
+}
+
+}  // namespace shadow_layers::bindings
