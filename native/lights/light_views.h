@@ -10,6 +10,8 @@
 
 namespace shadow_layers {
 
+class ThreadPool;
+
 /// One map's worth of a light position: a cube face, a spot's cone, a sun's rectangle (later: a cascade).
 ///
 /// Light clip space "_lc": x and y in [-w, w] over the map *including* its border; depth reversed, z / w = 1 on the near
@@ -50,7 +52,9 @@ struct ViewSettings {
 /// The positions of a light and their views, fitted to the receivers in `frame` that face the light, are in its cone and
 /// in its receiver set, and to the casters that can reach them. `previous` (may be null), made for another sample of the
 /// same pixels, is kept where it still covers the receivers, so that jittered samples share their maps.
+/// `threads` (may be null: one thread) does not change the result.
 std::vector<LightPosition> make_light_positions(const Frame& frame, const Light& light, const ViewSettings& settings,
-                                                const std::vector<LightPosition>* previous = nullptr);
+                                                const std::vector<LightPosition>* previous = nullptr,
+                                                ThreadPool* threads = nullptr);
 
 }  // namespace shadow_layers

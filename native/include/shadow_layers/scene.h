@@ -5,6 +5,7 @@
 #include <array>
 #include <cstdint>
 #include <glm/glm.hpp>
+#include <limits>
 #include <memory>
 #include <span>
 #include <string>
@@ -18,6 +19,14 @@ struct ContentKey {
     auto operator<=>(const ContentKey&) const = default;
 };
 
+/// An axis-aligned box; made empty.
+struct Bounds {
+    glm::dvec3 min{std::numeric_limits<double>::infinity()}, max{-std::numeric_limits<double>::infinity()};
+    bool is_empty() const { return !(min.x <= max.x && min.y <= max.y && min.z <= max.z); }
+    void add(const glm::dvec3& point) { min = glm::min(min, point), max = glm::max(max, point); }
+    void add(const Bounds& other) { min = glm::min(min, other.min), max = glm::max(max, other.max); }
+};
+
 /// A unique triangle mesh in object space. Immutable once made, shared by instances and by frames.
 /// `owner` keeps the memory behind the spans alive (a vector, a NumPy array, a mapped file).
 struct Mesh {
@@ -26,9 +35,11 @@ struct Mesh {
     std::span<const glm::uvec3> triangles;  ///< indices into positions; either winding
     std::shared_ptr<const void> owner;
     ContentKey positions_key, topology_key;  ///< separate: a deforming mesh keeps its topology key
+    Bounds bounds;                           ///< of the usable vertices that triangles use (scene/bounds.h)
 };
 
-/// Copies nothing, computes the two keys, and checks every index (InputError names mesh, triangle and index).
+/// Copies nothing, computes the two keys and the bounds, and checks every index (InputError names mesh, triangle and
+/// index).
 /// Not-finite vertices are allowed here: triangles that use one are dropped by the core, counted and reported.
 std::shared_ptr<const Mesh> make_mesh(std::string name, std::span<const glm::vec3> positions,
                                       std::span<const glm::uvec3> triangles, std::shared_ptr<const void> owner);
