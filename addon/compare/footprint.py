@@ -1,0 +1,146 @@
+# SPDX-FileCopyrightText: 2026 Shadow Layers contributors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""How many pixels a shadow map texel covers at a receiver: the unit in which map techniques may be wrong.
+
+At a surface point the picture and the map are both linear to first order. With two tangents t1, t2 of the surface,
+A = d(pixel)/d(t1, t2) and B = d(texel)/d(t1, t2), a step of one texel is M = A inv(B) pixels. Its longest image is the
+larger singular value of M, which is the footprint returned here: it holds the stretch of the texel over a slanted
+receiver, and the receiver's foreshortening in the picture.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+# A spot wider than this is served by cube faces, because one frustum's texels would be stretched without bound.
+kWidestConeRad = math.radians(120.0)
+
+
+def compute_view_positions(
+    points_rel: NDArray[np.floating], origin_ws: NDArray[np.float64], matrix_ws: NDArray[np.float64]
+) -> NDArray[np.float64]:
+    """Points (n, 3), world axes relative to `origin_ws` (3,), in the local axes of `matrix_ws` (4, 4): (n, 3).
+
+    Both translations are subtracted in double before anything else, so scenes far from the origin keep their digits.
+    """
+    offset_ws = np.asarray(origin_ws, dtype=np.float64) - matrix_ws[:3, 3]
+    return (np.asarray(points_rel, dtype=np.float64) + offset_ws) @ matrix_ws[:3, :3]
+
+
+def compute_tangents(normals: NDArray[np.floating]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Two unit tangents at right angles for each unit normal (n, 3)."""
+    normals = np.asarray(normals, dtype=np.float64)
+    # The axis least along the normal never gives a short cross product.
+    helper = np.eye(3)[np.argmin(np.abs(normals), axis=1)]
+    first = np.cross(normals, helper)
+    first /= np.maximum(np.linalg.norm(first, axis=1, keepdims=True), 1e-300)
+    return first, np.cross(normals, first)
+
+
+def compute_pixel_gradients(
+    points_vs: NDArray[np.float64], camera: Mapping[str, Any], width: int, height: int
+) -> NDArray[np.float64]:
+    """d(pixel x, pixel y)/d(view space point): (n, 2, 3). `camera` as in the snapshot; the picture's full size."""
+    left, right, bottom, top = camera["window"]
+    scale = np.array([width / (right - left), height / (top - bottom)])
+    gradients = np.zeros((len(points_vs), 2, 3))
+    if camera["perspective"]:
+        depth = np.maximum(-points_vs[:, 2], 1e-300)
+        gradients[:, 0, 0] = scale[0] / depth
+        gradients[:, 1, 1] = scale[1] / depth
+        gradients[:, :, 2] = scale * points_vs[:, :2] / depth[:, None] ** 2
+    else:
+        gradients[:, 0, 0], gradients[:, 1, 1] = scale
+    return gradients
+
+
+def compute_texel_gradients(
+    points_ls: NDArray[np.float64], light: Mapping[str, Any], map_size: int, sun_extent: float
+) -> NDArray[np.float64]:
+    """d(texel)/d(light space point): (n, 2, 3). `sun_extent`: the side of the sun's map in scene units."""
+    count = len(points_ls)
+    gradients = np.zeros((count, 2, 3))
+    if light["kind"] == "SUN":
+        gradients[:, 0, 0] = gradients[:, 1, 1] = map_size / max(sun_extent, 1e-300)
+        return gradients
+    if light["kind"] == "SPOT" and light["spot_angle"] <= kWidestConeRad:
+        major = np.full(count, 2)
+        scale = 0.5 * map_size / math.tan(0.5 * light["spot_angle"])
+    else:  # a cube face: its axis is the longest component
+        major = np.argmax(np.abs(points_ls), axis=1)
+        scale = 0.5 * map_size
+    index = np.arange(count)
+    along = points_ls[index, major]
+    along = np.where(np.abs(along) < 1e-300, 1e-300, along)
+    for row, step in enumerate((1, 2)):
+        across = (major + step) % 3
+        gradients[index, row, across] = scale / np.abs(along)
+        gradients[index, row, major] = -scale * points_ls[index, across] / (along * np.abs(along))
+    return gradients
+
+
+def compute_largest_stretch(
+    pixel_tangent: NDArray[np.float64], texel_tangent: NDArray[np.float64]
+) -> NDArray[np.float64]:
+    """Larger singular value of A inv(B) for stacks (n, 2, 2); infinity where B is singular (light along the face)."""
+    a, b = pixel_tangent, texel_tangent
+    det_b = b[:, 0, 0] * b[:, 1, 1] - b[:, 0, 1] * b[:, 1, 0]
+    # A adj(B), divided by det(B) at the very end.
+    m00 = a[:, 0, 0] * b[:, 1, 1] - a[:, 0, 1] * b[:, 1, 0]
+    m01 = a[:, 0, 1] * b[:, 0, 0] - a[:, 0, 0] * b[:, 0, 1]
+    m10 = a[:, 1, 0] * b[:, 1, 1] - a[:, 1, 1] * b[:, 1, 0]
+    m11 = a[:, 1, 1] * b[:, 0, 0] - a[:, 1, 0] * b[:, 0, 1]
+    square_sum = m00**2 + m01**2 + m10**2 + m11**2
+    det_m = m00 * m11 - m01 * m10
+    root = np.sqrt(np.maximum(square_sum**2 - 4.0 * det_m**2, 0.0))
+    with np.errstate(divide="ignore", invalid="ignore"):
+        stretch = np.sqrt(0.5 * (square_sum + root)) / np.abs(det_b)
+    return np.where(det_b == 0.0, np.inf, stretch)
+
+
+def compute_sun_extent(
+    points_rel: NDArray[np.floating], origin_ws: NDArray[np.float64], light: Mapping[str, Any]
+) -> float:
+    """Side of the square, in scene units, that holds all receivers seen, in the sun's own axes: the largest map a fit
+    to the receivers can need. `points_rel` (n, 3)."""
+    if len(points_rel) == 0:
+        return 0.0
+    points_ls = compute_view_positions(points_rel, origin_ws, np.asarray(light["world_from_light"], dtype=np.float64))
+    return float(np.ptp(points_ls[:, :2], axis=0).max())
+
+
+def compute_texel_footprint_px(
+    points_rel: NDArray[np.floating],
+    normals: NDArray[np.floating],
+    origin_ws: NDArray[np.float64],
+    *,
+    camera: Mapping[str, Any],
+    width: int,
+    height: int,
+    light: Mapping[str, Any],
+    map_size: int,
+    sun_extent: float = 0.0,
+) -> NDArray[np.float64]:
+    """Pixels that one texel of the light's map covers at each receiver, along the direction it is longest in: (n,).
+
+    `points_rel` (n, 3) world axes relative to `origin_ws` (the camera's position); `normals` (n, 3) unit; `camera` and
+    `light` as in the snapshot's JSON; `width`, `height` of the full picture; `sun_extent` by `compute_sun_extent`.
+    """
+    origin_ws = np.asarray(origin_ws, dtype=np.float64)
+    camera_matrix = np.asarray(camera["world_from_camera"], dtype=np.float64)
+    light_matrix = np.asarray(light["world_from_light"], dtype=np.float64)
+    pixel = compute_pixel_gradients(
+        compute_view_positions(points_rel, origin_ws, camera_matrix), camera, width, height
+    )
+    texel = compute_texel_gradients(
+        compute_view_positions(points_rel, origin_ws, light_matrix), light, map_size, sun_extent
+    )
+    tangents_ws = np.stack(compute_tangents(normals), axis=2)  # (n, 3, 2)
+    pixel_tangent = pixel @ (camera_matrix[:3, :3].T @ tangents_ws)
+    texel_tangent = texel @ (light_matrix[:3, :3].T @ tangents_ws)
+    return compute_largest_stretch(pixel_tangent, texel_tangent)

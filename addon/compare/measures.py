@@ -1,0 +1,133 @@
+# SPDX-FileCopyrightText: 2026 Shadow Layers contributors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""How far a shadow layer is from the truth. Each measure is defined here once, with its unit; docs/measures.md explains.
+
+All measures run over the comparable pixels: both renderers see the same face there and it is turned to the light.
+With s the layer (0..1, 1 = lit), t the truth (0 or 1) and "wrong" meaning (s >= 0.5) != (t >= 0.5):
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .distance import compute_nearest_distance
+
+kLitThreshold = 0.5
+# "Far" from the true border: more than this many pixels and more than this many of the map's texels.
+kFarPx = 2.0
+kFarTexels = 2.0
+
+
+@dataclass(frozen=True)
+class MeasureInfo:
+    """A measure's id (its name in JSON), label, unit and meaning."""
+
+    id: str
+    label: str
+    unit: str  # "fraction" of the comparable pixels, "visibility" (0..1), "px"
+    help: str
+
+
+kMeasures = (
+    MeasureInfo("misclassified_fraction", "Misclassified", "fraction", "wrong pixels: lit instead of shadowed or back"),
+    MeasureInfo("signed_bias", "Bias", "visibility", "mean of s - t; positive: the layer is too light"),
+    MeasureInfo("mae", "MAE", "visibility", "mean of |s - t|"),
+    MeasureInfo("rmse", "RMSE", "visibility", "root of the mean of (s - t) squared"),
+    MeasureInfo(
+        "p99_border_distance_px", "P99 distance", "px",
+        "99 % of the wrong pixels' centres lie within this distance of the true shadow's border",
+    ),
+    MeasureInfo("acne_fraction", "Acne", "fraction", "shadow more than 2 px and 2 texels from any true shadow"),
+    MeasureInfo("leak_fraction", "Leak", "fraction", "light more than 2 px and 2 texels inside a true shadow"),
+)
+
+kWrongShadow, kWrongLight, kAcne, kLeak = 1, 2, 3, 4
+
+# Pixels one texel covers at the pixels (rows, columns): (n,) each; returns (n,).
+FootprintFunction = Callable[[NDArray[np.integer], NDArray[np.integer]], NDArray[np.floating]]
+
+
+@dataclass(frozen=True)
+class LayerMeasures:
+    """`values` by measure id (float; None: undefined), `pixel_count` comparable pixels, `faults` (h, w) uint8: 0 right,
+    kWrongShadow, kWrongLight, kAcne or kLeak."""
+
+    values: dict[str, float | None]
+    pixel_count: int
+    faults: NDArray[np.uint8]
+
+
+def compute_border_distance_px(
+    wrong: NDArray[np.bool_], opposite: NDArray[np.bool_]
+) -> tuple[NDArray[np.intp], NDArray[np.intp], NDArray[np.float64]]:
+    """Rows, columns and border distance of the wrong pixels. The border runs half a pixel before the nearest pixel of
+    the opposite true class, so a pixel right at the border is 0.5 away; infinity: the picture has no such pixel."""
+    rows, columns = np.nonzero(wrong)
+    return rows, columns, compute_nearest_distance(opposite, rows, columns) - 0.5
+
+
+def measure_layer(
+    visibility: NDArray[np.floating],
+    truth: NDArray[np.bool_],
+    comparable: NDArray[np.bool_],
+    *,
+    facing_away: NDArray[np.bool_] | None = None,
+    footprint_px: FootprintFunction | None = None,
+) -> LayerMeasures:
+    """Measures a layer. All arrays (h, w), rows in the same order.
+
+    `visibility` 0..1; a value that isn't finite counts as wrong and as an error of 1. `truth` True = lit.
+    `facing_away`: pixels that are dark because they are turned away from the light; a false shadow that hangs on to
+    them is no acne. `footprint_px`: pixels covered by a texel, for the measures in texels; None: no map, two pixels.
+    """
+    if not (visibility.shape == truth.shape == comparable.shape):
+        raise ValueError(
+            f"layer {visibility.shape}, truth {truth.shape} and mask {comparable.shape} differ in size: "
+            "render all three with the same resolution"
+        )
+    faults = np.zeros(truth.shape, dtype=np.uint8)
+    pixel_count = int(comparable.sum())
+    if pixel_count == 0:
+        return LayerMeasures({measure.id: None for measure in kMeasures}, 0, faults)
+
+    finite = np.isfinite(visibility)
+    safe = np.where(finite, visibility, np.where(truth, 0.0, 1.0)).astype(np.float64)
+    error = safe[comparable] - truth[comparable]
+    lit = safe >= kLitThreshold
+    true_lit, true_shadow = comparable & truth, comparable & ~truth
+    dark = true_shadow if facing_away is None else true_shadow | facing_away
+    distances = []
+    for fault, far_fault, wrong, opposite in (
+        (kWrongShadow, kAcne, true_lit & ~lit, dark),
+        (kWrongLight, kLeak, true_shadow & lit, true_lit),
+    ):
+        rows, columns, distance = compute_border_distance_px(wrong, opposite)
+        texel_px = np.zeros(distance.shape) if footprint_px is None else footprint_px(rows, columns)
+        # An infinite distance is far whatever the texel; an infinite texel (light along the face) never lets it be.
+        far = np.isinf(distance) | (distance > np.maximum(kFarPx, kFarTexels * texel_px))
+        faults[rows, columns] = np.where(far, far_fault, fault)
+        distances.append(distance)
+    counts = np.bincount(faults.ravel(), minlength=kLeak + 1)
+    wrong_count = int(counts[1:].sum())
+    values: dict[str, float | None] = {
+        "misclassified_fraction": wrong_count / pixel_count,
+        "signed_bias": float(error.mean()),
+        "mae": float(np.abs(error).mean()),
+        "rmse": float(np.sqrt(np.square(error).mean())),
+        "p99_border_distance_px": compute_p99(np.concatenate(distances)),
+        "acne_fraction": int(counts[kAcne]) / pixel_count,
+        "leak_fraction": int(counts[kLeak]) / pixel_count,
+    }
+    return LayerMeasures(values, pixel_count, faults)
+
+
+def compute_p99(distances: NDArray[np.float64]) -> float | None:
+    """Smallest distance that 99 % of the given ones don't exceed; 0 for none; None where that one is infinite."""
+    if distances.size == 0:
+        return 0.0
+    value = float(np.sort(distances)[int(np.ceil(0.99 * distances.size)) - 1])
+    return value if np.isfinite(value) else None
