@@ -7,6 +7,8 @@
 namespace shadow_layers {
 
 struct ThreadPool::Loop {
+    Loop(std::size_t item_count, std::size_t block_size, const std::function<void(std::size_t, std::size_t)>& loop_body)
+        : count(item_count), block(block_size), body(loop_body) {}
     std::size_t count, block;
     const std::function<void(std::size_t, std::size_t)>& body;
     std::atomic<std::size_t> next{0};
@@ -68,7 +70,7 @@ void ThreadPool::work() {
 void ThreadPool::parallel_for(std::size_t count, std::size_t block,
                               const std::function<void(std::size_t, std::size_t)>& body) {
     if (count == 0) return;
-    Loop loop{count, std::max<std::size_t>(1, block), body};
+    Loop loop(count, std::max<std::size_t>(1, block), body);
     if (workers_.empty() || count <= loop.block) {
         run_blocks(loop);
     } else {

@@ -6,7 +6,8 @@
 
 namespace shadow_layers {
 
-/// The fixed-function state of a draw, set as a whole so that no stage inherits another's. Nothing is culled by winding.
+/// The fixed-function state of a draw, set as a whole so that no stage inherits another's. Nothing is culled by
+/// winding.
 struct DrawState {
     bool depth_test = false;
     bool depth_write = false;            ///< needs depth_test

@@ -33,8 +33,8 @@ struct EngineOptions {
     bool debug = false;
 };
 
-/// Times what happens while it lives, as one stage of the current record. Not nested: the outer would count the inner too.
-/// Its end asks GL for errors; the next Engine call that may throw reports them under the stage's name.
+/// Times what happens while it lives, as one stage of the current record. Not nested: the outer would count the inner
+/// too. Its end asks GL for errors; the next Engine call that may throw reports them under the stage's name.
 class StageTimer {
 public:
     StageTimer(Engine& engine, std::string stage);
@@ -63,7 +63,8 @@ public:
     const gl::Limits& limits() const { return device_->limits(); }
     bool software() const { return device_->software(); }
 
-    /// The program of these files (paths from the shader folder) and defines; compiled once, kept for the engine's life.
+    /// The program of these files (paths from the shader folder) and defines; compiled once, kept for the engine's
+    /// life.
     const gl::Program& program(const std::string& vertex, const std::string& fragment, const gl::Defines& defines = {});
     /// Any set of stages: {"x.vert", "x.geom", "x.frag"} or {"x.comp"}.
     const gl::Program& program(const std::vector<std::string>& files, const gl::Defines& defines = {});

@@ -19,9 +19,9 @@ struct GpuMesh {
     std::shared_ptr<const gl::Buffer> position_buf;  ///< float x, y, z about `centre`, tightly packed
     std::shared_ptr<const gl::Buffer> index_buf;     ///< three uint32 per triangle
     gl::VertexArray vertices;
-    glm::dvec3 centre{0.0};            ///< object space; exact in double
+    glm::dvec3 centre{0.0};  ///< object space; exact in double
     std::uint32_t triangle_count = 0;
-    std::uint32_t dropped_count = 0;   ///< triangles without area for a vertex that is not finite
+    std::uint32_t dropped_count = 0;  ///< triangles without area for a vertex that is not finite
     std::size_t byte_size() const { return position_buf->byte_size() + index_buf->byte_size(); }
 };
 

@@ -21,9 +21,10 @@ struct SceneDraw {
 
 /// Draws into the bound framebuffer with `program` and `state`; each mesh is one draw for all its instances.
 ///
-/// The program's vertex shader includes "lib/scene_vertex_lib.glsl" and starts from `scene_clip_position()`; `in_instance`
-/// is the index into Scene::instances (hand it on as `flat uint`). A fragment (or geometry) shader that wants the
-/// triangle includes "lib/scene_triangle_lib.glsl" and calls `scene_triangle(gl_PrimitiveID)` (gl_PrimitiveIDIn).
+/// The program's vertex shader includes "lib/scene_vertex_lib.glsl" and starts from `scene_clip_position()`;
+/// `in_instance` is the index into Scene::instances (hand it on as `flat uint`). A fragment (or geometry) shader that
+/// wants the triangle includes "lib/scene_triangle_lib.glsl" and calls `scene_triangle(gl_PrimitiveID)`
+/// (gl_PrimitiveIDIn).
 ///
 /// Long draws are cut into pieces with cancel checks between them (throws Cancelled). Counts "triangles" in the record.
 void draw_scene(Engine& engine, const gl::Program& program, const DrawState& state, const SceneDraw& draw);

@@ -40,6 +40,9 @@ public:
     /// GL_SHADER_STORAGE_BUFFER, GL_UNIFORM_BUFFER, GL_ATOMIC_COUNTER_BUFFER.
     void bind_base(GLenum target, GLuint index) const;
     void bind(GLenum target) const;  ///< GL_DRAW_INDIRECT_BUFFER, ...
+
+private:
+    void destroy();
 };
 
 }  // namespace shadow_layers::gl

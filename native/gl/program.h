@@ -19,8 +19,8 @@ using Defines = std::map<std::string, std::string>;
 class Program : public Tracked {
 public:
     struct Stage {
-        GLenum kind;         ///< GL_VERTEX_SHADER, ...
-        std::string source;  ///< whole, includes expanded
+        GLenum kind;                     ///< GL_VERTEX_SHADER, ...
+        std::string source;              ///< whole, includes expanded
         std::vector<std::string> files;  ///< by GLSL source string number, for messages
     };
 
@@ -45,6 +45,8 @@ public:
     int location(const char* name) const;  ///< -1 if there is none
 
 private:
+    void link(const std::vector<Stage>& stages, std::string_view label);
+    void destroy();
     mutable std::unordered_map<std::string, int> locations_;
 };
 

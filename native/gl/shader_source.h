@@ -12,8 +12,8 @@
 namespace shadow_layers::gl {
 
 /// Reads shader files of one folder. `#include "x"` is looked for beside the including file, then from the folder's
-/// root; a file with `#pragma once` is pasted once per stage. `#version 450 core` and the defines are put in front, so no
-/// file holds a #version line. `#line` directives keep messages at the right file and line.
+/// root; a file with `#pragma once` is pasted once per stage. `#version 450 core` and the defines are put in front, so
+/// no file holds a #version line. `#line` directives keep messages at the right file and line.
 class ShaderSource {
 public:
     /// ShaderError naming the folder and the remedy if it does not exist or holds no shaders.

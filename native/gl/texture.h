@@ -9,11 +9,12 @@
 
 namespace shadow_layers::gl {
 
-/// Immutable storage. Filter is nearest and wrap is clamp to edge until told otherwise; an integer format can't be filtered.
+/// Immutable storage. Filter is nearest and wrap is clamp to edge until told otherwise; an integer format can't be
+/// filtered.
 struct TextureDesc {
     GLenum format = GL_R32F;  ///< sized internal format; see bytes_per_texel
     int width = 1, height = 1;
-    int layers = 0;   ///< 0: GL_TEXTURE_2D, else GL_TEXTURE_2D_ARRAY
+    int layers = 0;  ///< 0: GL_TEXTURE_2D, else GL_TEXTURE_2D_ARRAY
     int levels = 1;
 };
 
@@ -58,6 +59,7 @@ public:
     void clear(const void* texel, int level = 0);  ///< texel in the format's own channels and type
 
 private:
+    void destroy();
     int level_width(int level) const { return std::max(1, desc_.width >> level); }
     int level_height(int level) const { return std::max(1, desc_.height >> level); }
     std::size_t level_bytes(int level) const;
