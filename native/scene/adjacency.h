@@ -3,10 +3,13 @@
 #pragma once
 
 #include <cstdint>
+#include <deque>
 #include <glm/glm.hpp>
 #include <list>
 #include <memory>
 #include <span>
+#include <unordered_map>
+#include <utility>
 #include <vector>
 
 #include "shadow_layers/scene.h"
@@ -83,13 +86,21 @@ public:
     std::size_t weld_count() const { return weld_count_; }  ///< welds worked so far, for tests
 
 private:
+    /// A weld, and the shapes of the last few sets of positions that it was found to hold for.
     struct Entry {
-        ContentKey topology_key, positions_key;  ///< positions: those that `edges` was last checked for
-        MeshEdges edges;
-        std::size_t byte_size() const { return edges.adjacency->byte_size() + edges.shapes->byte_size(); }
+        ContentKey topology_key;
+        std::shared_ptr<const MeshAdjacency> adjacency;
+        std::deque<std::pair<ContentKey, std::shared_ptr<const ComponentShapes>>> shapes;
     };
+    struct KeyHash {
+        std::size_t operator()(const ContentKey& key) const { return std::size_t(key.low); }
+    };
+    using Entries = std::list<Entry>;
+    MeshEdges add_shapes(Entries::iterator entry, const Mesh& mesh);
     void trim();
-    std::list<Entry> entries_;  ///< most recently used first
+
+    Entries entries_;  ///< most recently used first
+    std::unordered_multimap<ContentKey, Entries::iterator, KeyHash> by_topology_;
     std::size_t budget_bytes_, bytes_ = 0, weld_count_ = 0;
 };
 
