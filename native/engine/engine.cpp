@@ -81,10 +81,12 @@ void Engine::warn(const std::string& text) {
 
 std::vector<std::string> Engine::take_warnings() { return std::exchange(warnings_, {}); }
 
-void Engine::draw_fullscreen(const DrawState& state) {
+void Engine::draw_fullscreen(const DrawState& state) { draw_vertices(state, GL_TRIANGLES, 3); }
+
+void Engine::draw_vertices(const DrawState& state, GLenum mode, GLsizei vertex_count) {
     apply(gl(), state);
     empty_vertices_.bind();
-    gl().DrawArrays(GL_TRIANGLES, 0, 3);
+    gl().DrawArrays(mode, 0, vertex_count);
 }
 
 gl::Buffer& Engine::instance_stream(std::size_t bytes) {

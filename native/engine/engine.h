@@ -88,6 +88,8 @@ public:
 
     /// Sets state and draws one triangle over the viewport with the program in use (vertex: "frame/fullscreen.vert").
     void draw_fullscreen(const DrawState& state = {});
+    /// Sets state and draws `vertex_count` vertices without attributes; the program in use makes them from gl_VertexID.
+    void draw_vertices(const DrawState& state, GLenum mode, GLsizei vertex_count);
     /// Compute: groups to cover `items` threads at `group` per group.
     static GLuint group_count(int items, int group) { return GLuint((items + group - 1) / group); }
 
