@@ -3,6 +3,9 @@
 #include <algorithm>
 
 #include "shadow_layers/error.h"
+#include "techniques/edsm/edsm.h"
+#include "techniques/pcf/pcf.h"
+#include "techniques/sm/sm.h"
 #include "techniques/technique.h"
 
 namespace shadow_layers {
@@ -10,6 +13,9 @@ namespace shadow_layers {
 const std::vector<TechniqueEntry>& technique_entries() {
     static const std::vector<TechniqueEntry> entries = {
         // One line per technique, in menu order.
+        {describe_sm, make_sm},
+        {describe_pcf, make_pcf},
+        {describe_edsm, make_edsm},
     };
     return entries;
 }

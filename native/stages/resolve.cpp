@@ -1,0 +1,83 @@
+// SPDX-FileCopyrightText: 2026 Shadow Layers contributors
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "stages/resolve.h"
+
+#include <algorithm>
+#include <glm/gtc/matrix_transform.hpp>
+
+namespace shadow_layers {
+namespace {
+
+constexpr double kReadsPerBand = 1e8;  // about 50 ms on a software rasteriser with two threads
+
+void set_cube_layers(LightParams& params, const LightPosition& position) {
+    params.layer_of_face[0] = glm::ivec4(-1);
+    params.layer_of_face[1] = glm::ivec4(-1, -1, position.cube ? 1 : 0, int(position.views.size()));
+    for (std::size_t layer = 0; layer < position.views.size(); ++layer) {
+        const int face = position.views[layer].face;
+        params.layer_of_face[face / 4][face % 4] = int(layer);
+    }
+}
+
+}  // namespace
+
+LightParams make_light_params(const Frame& frame, const Light& light, const LightPosition& position) {
+    LightParams params{};
+    const glm::dmat4 ws_from_rel = glm::translate(glm::dmat4(1.0), frame.origin_ws);
+    for (std::size_t layer = 0; layer < std::min<std::size_t>(position.views.size(), kMaxViews); ++layer)
+        params.lc_from_rel[layer] = glm::mat4(position.views[layer].lc_from_ws * ws_from_rel);
+    for (int axis = 0; axis < 3; ++axis) params.axes_rel[axis] = glm::vec4(glm::vec3(position.axes_ws[axis]), 0.0f);
+    params.place_rel = position.directional ? glm::vec4(glm::vec3(position.to_light_ws), 0.0f)
+                                            : glm::vec4(glm::vec3(position.position_ws - frame.origin_ws), 1.0f);
+    params.cone = glm::vec4(glm::vec3(position.to_light_ws), float(position.cone_cos));
+    set_cube_layers(params, position);
+    if (!position.views.empty()) {
+        const LightView& view = position.views.front();
+        params.map = glm::vec4(float(view.size_texels), 1.0f / float(view.size_texels), float(view.border_texels), 0.0f);
+    } else {
+        params.map = glm::vec4(1.0f, 1.0f, 0.0f, 0.0f);
+    }
+    params.receivers = glm::uvec4(std::uint32_t(light.receiver_set), std::uint32_t(light.receiver_set >> 32),
+                                  light.casts_shadow ? 1u : 0u, 0u);
+    return params;
+}
+
+const gl::Texture& ResolvePass::run(Engine& engine, const Task& task) {
+    const auto timer = engine.time_stage("resolve");
+    const Frame& frame = task.frame;
+    if (!target_tx_ || target_tx_->width() != frame.width || target_tx_->height() != frame.height ||
+        target_tx_->format() != task.format) {
+        target_fb_ = gl::Framebuffer();
+        target_tx_ = std::make_shared<gl::Texture>(
+            engine.device(), gl::TextureDesc{task.format, frame.width, frame.height}, "resolved layer");
+        target_fb_ = gl::Framebuffer(engine.device(), "resolved layer");
+        target_fb_.attach_color(0, target_tx_);
+    }
+    if (!params_buf_) params_buf_ = gl::Buffer(engine.device(), sizeof(LightParams), "light params");
+    const LightParams params = make_light_params(frame, task.light, task.position);
+    params_buf_.write(&params, sizeof params);
+
+    task.program.use();
+    if (task.bind_inputs) task.bind_inputs();
+    frame.position_tx->bind(kPositionUnit);
+    frame.normal_tx->bind(kNormalUnit);
+    params_buf_.bind_base(GL_UNIFORM_BUFFER, kLightParamsSlot);
+    target_fb_.bind();
+
+    const GladGLContext& gl = engine.gl();
+    const double rows = kReadsPerBand / (std::max(1.0, task.work_per_pixel) * std::max(1, frame.width));
+    const int band = std::clamp(int(std::min(rows, double(frame.height))), 1, frame.height);
+    for (int y = 0; y < frame.height; y += band) {
+        engine.check_cancelled();
+        if (band < frame.height) {
+            gl.Enable(GL_SCISSOR_TEST);
+            gl.Scissor(0, y, frame.width, std::min(band, frame.height - y));
+        }
+        engine.draw_fullscreen();
+        gl.Disable(GL_SCISSOR_TEST);
+        if (band < frame.height) engine.limit_queue();
+    }
+    return *target_tx_;
+}
+
+}  // namespace shadow_layers

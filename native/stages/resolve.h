@@ -1,0 +1,41 @@
+// SPDX-FileCopyrightText: 2026 Shadow Layers contributors
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <functional>
+#include <memory>
+
+#include "engine/engine.h"
+#include "frame/frame.h"
+#include "lights/light_views.h"
+#include "light_params.h"
+
+namespace shadow_layers {
+
+/// One light position in the form of shaders/shared/light_params.h: matrices are composed in double with the frame's
+/// origin, so that a scene far from the world's origin costs no precision.
+LightParams make_light_params(const Frame& frame, const Light& light, const LightPosition& position);
+
+/// Draws a full-screen program over the frame. Its fragment shader includes "stages/resolve_inputs.glsl". One pass
+/// serves all views of a position: the shader picks layer and matrix by cube face. Kept by a technique between frames.
+class ResolvePass {
+public:
+    struct Task {
+        const Frame& frame;
+        const Light& light;
+        const LightPosition& position;
+        const gl::Program& program;
+        GLenum format = GL_R32F;
+        double work_per_pixel = 1;  ///< texture reads; long passes are cut into bands, so that a cancel is heard
+        std::function<void()> bind_inputs;  ///< binds maps (units kDepthMapUnit and up) and sets uniforms
+    };
+    /// The result stays valid until the next run of this pass.
+    const gl::Texture& run(Engine& engine, const Task& task);
+
+private:
+    std::shared_ptr<gl::Texture> target_tx_;
+    gl::Framebuffer target_fb_;
+    gl::Buffer params_buf_;
+};
+
+}  // namespace shadow_layers

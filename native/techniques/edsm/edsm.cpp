@@ -1,0 +1,150 @@
+// SPDX-FileCopyrightText: 2026 Shadow Layers contributors
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Edge distance shadow mapping: beside the depth map a map of distances to silhouette edges; where the four depth tests round
+// a receiver disagree, the edge decides.
+// Based on: M. Kenzel, Edge Distance Shadow Mapping, master's thesis, TU Graz 2013, chapters 3 and 4, figure 6.1.
+// Differences (docs/techniques/edsm.md says what each is worth): a depth reference per texel in the receiver's plane; the
+// tests give the sign and the map only the distance, or a whole line if it agrees with all tests; edges that lie behind the
+// receiver or inside a solid don't count; a derived order of edges. "reading" = thesis has none of them.
+// Fails: two edges within a texel; features smaller than a texel, where no test disagrees.
+#include "techniques/edsm/edsm.h"
+
+#include <cmath>
+
+#include "stages/edge_distance_map.h"
+#include "stages/resolve.h"
+#include "techniques/common_parameters.h"
+
+namespace shadow_layers {
+namespace {
+
+const double kFootprintDiagonal = std::sqrt(2.0);
+constexpr double kThesisSlopeFactor = 2.0;
+
+bool is_thesis(const ParameterValues& values) { return values.get_enum("reading") == "thesis"; }
+
+EdgeOrder edge_order(const std::string& id) {
+    if (id == "stream") return EdgeOrder::Stream;
+    if (id == "min") return EdgeOrder::Min;
+    if (id == "thesis") return EdgeOrder::Thesis;
+    return EdgeOrder::Corrected;
+}
+
+EdgeDistanceOptions edge_options(const ParameterValues& values) {
+    const bool thesis = is_thesis(values);
+    EdgeDistanceOptions options;
+    options.order = edge_order(values.get_enum("edge_order"));
+    options.own_texel_test = thesis;
+    options.edges.silhouettes.skip_concave = !thesis;
+    options.edges.silhouettes.skip_two_sided = !thesis;
+    options.edges.foreshortened = values.get_enum("quads") == "perspective";
+    // An edge matters to texels whose 2 x 2 footprint it crosses, and as far as the soft kernel looks.
+    options.edges.reach_texels = (thesis ? 1.0 : kFootprintDiagonal) + 0.5 * values.get_float("softness");
+    return options;
+}
+
+class EDSM final : public Technique {
+public:
+    void prepare(Engine& engine, const ParameterValues& parameters) override {
+        check_map_size(engine, descriptor_, parameters);
+        if (is_thesis(parameters)) {
+            program_ = &engine.program("frame/fullscreen.vert", "techniques/edsm/edsm_thesis.frag");
+        } else {
+            const bool soft = parameters.get_float("softness") > 0;
+            program_ = &engine.program("frame/fullscreen.vert", "techniques/edsm/edsm.frag", {{"SOFT", soft ? "1" : "0"}});
+        }
+    }
+
+    void render(Engine& engine, const LightTask& task, LayerOutputs& outputs) override {
+        const LightPosition& position = task.positions.front();
+        const Scene& scene = *task.frame.scene;
+        const EdgeDistanceOptions options = edge_options(task.parameters);
+        const double slope = is_thesis(task.parameters) ? kThesisSlopeFactor : kReceiverPlaneSlopeFactor;
+        const auto depth_map = render_depth_map(engine, scene, position, slope);
+        const auto edge_map = render_edge_distance_map(engine, finder_, scene, position, *depth_map, options);
+        const auto bind = [&] {
+            depth_map->texture->bind(kDepthMapUnit);
+            edge_map->texture->bind(kEdgeMapUnit);
+            program_->set("u_softness_texels", float(task.parameters.get_float("softness")));
+            program_->set("u_missing_texels", float(options.edges.reach_texels));
+        };
+        outputs.set("visibility", resolve_.run(engine, {.frame = task.frame,
+                                                        .light = task.light,
+                                                        .position = position,
+                                                        .program = *program_,
+                                                        .work_per_pixel = 8,
+                                                        .bind_inputs = bind}));
+    }
+
+private:
+    TechniqueDescriptor descriptor_ = describe_edsm();
+    const gl::Program* program_ = nullptr;
+    MapEdgeFinder finder_;
+    ResolvePass resolve_;
+};
+
+ParameterSpec enum_parameter(std::string id, std::string label, std::string help, std::vector<EnumItem> items,
+                             std::string default_id) {
+    ParameterSpec spec;
+    spec.id = std::move(id);
+    spec.label = std::move(label);
+    spec.type = ParameterType::Enum;
+    spec.help = std::move(help);
+    spec.items = std::move(items);
+    spec.default_value = std::move(default_id);
+    return spec;
+}
+
+std::vector<ParameterSpec> edsm_parameters() {
+    ParameterSpec softness;
+    softness.id = "softness";
+    softness.label = "Softness";
+    softness.type = ParameterType::Float;
+    softness.default_value = 0.0;
+    softness.min = 0;
+    softness.max = 16;
+    softness.unit = "texels";
+    softness.help = "Width of the border's ramp, as of a round light; 0 gives hard shadows";
+    return {
+        map_size_parameter(), softness,
+        enum_parameter("reading", "Reading", "How tests and distances are put together",
+                       {{"improved", "Improved", "Depth tests give the sign, the map the distance or a whole line"},
+                        {"thesis", "Thesis", "As the thesis reads: one slope bias, interpolated signed distances"}},
+                       "improved"),
+        enum_parameter("edge_order", "Edge Order", "Which of several edges a texel keeps",
+                       {{"stream", "Stream", "The one drawn last (figure 3.6)"},
+                        {"min", "Minimum", "The smallest distance to the edge's line (figure 3.7)"},
+                        {"thesis", "Thesis", "The thesis's corner priority (equation 3.8)"},
+                        {"corrected", "Corrected", "The nearest segment, then the more orthogonal one"}},
+                       "corrected"),
+        enum_parameter("quads", "Edge Quads", "Where the width of an edge's quad is measured (5.2.1)",
+                       {{"post_projective", "Post-Projective", "In the map: the same number of texels everywhere"},
+                        {"perspective", "Perspective", "Before projection: far edges get fewer texels"}},
+                       "post_projective"),
+    };
+}
+
+}  // namespace
+
+TechniqueDescriptor describe_edsm() {
+    TechniqueDescriptor d;
+    d.id = "edsm";
+    d.label = "EDSM";
+    d.summary = "Edge distance shadow mapping: hard borders rebuilt from silhouette edges, finer than the map's texels";
+    d.reference = "Kenzel13, chapters 3 and 4";
+    d.parameters = edsm_parameters();
+    d.outputs = visibility_output();
+    d.lights = all_light_kinds();
+    d.limits = "Where two edges fall into one texel, or a caster is thinner than one, it is no better than the shadow map";
+    d.needs = [](const ParameterValues& values) {
+        TechniqueNeeds needs;
+        needs.map_size = int(values.get_int("map_size"));
+        needs.map_border_texels = kFootprintBorderTexels;
+        return needs;
+    };
+    return d;
+}
+
+std::unique_ptr<Technique> make_edsm() { return std::make_unique<EDSM>(); }
+
+}  // namespace shadow_layers

@@ -1,0 +1,115 @@
+// SPDX-FileCopyrightText: 2026 Shadow Layers contributors
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Percentage-closer filtering: the mean of k x k depth tests.
+// Based on: W. T. Reeves, D. H. Salesin, R. L. Cook, Rendering antialiased shadows with depth maps, SIGGRAPH 1987.
+// Differences: a regular grid of taps; every tap is compared in the receiver's own plane (docs/techniques/pcf.md).
+// Fails: the border's width follows the map's texels, not the light's size; wide kernels smear contacts.
+#include "techniques/pcf/pcf.h"
+
+#include <cmath>
+
+#include "stages/depth_map.h"
+#include "stages/resolve.h"
+#include "techniques/common_parameters.h"
+
+namespace shadow_layers {
+namespace {
+
+/// Texels between taps. A kernel of one tap has no extent, whatever the radius.
+double tap_spacing(const ParameterValues& values) {
+    const auto kernel = values.get_int("kernel");
+    const double radius = values.get_float("radius");
+    return kernel > 1 && radius > 0 ? 2.0 * radius / double(kernel - 1) : 1.0;
+}
+
+double kernel_reach(const ParameterValues& values) {
+    return 0.5 * double(values.get_int("kernel") - 1) * tap_spacing(values);
+}
+
+class PCF final : public Technique {
+public:
+    void prepare(Engine& engine, const ParameterValues& parameters) override {
+        check_map_size(engine, descriptor_, parameters);
+        program_ = &engine.program("frame/fullscreen.vert", "techniques/pcf/pcf.frag",
+                                   {{"KERNEL", std::to_string(parameters.get_int("kernel"))},
+                                    {"BILINEAR", parameters.get_bool("bilinear") ? "1" : "0"}});
+    }
+
+    void render(Engine& engine, const LightTask& task, LayerOutputs& outputs) override {
+        const LightPosition& position = task.positions.front();
+        const double kernel = double(task.parameters.get_int("kernel"));
+        const auto map = render_depth_map(engine, *task.frame.scene, position);
+        const auto bind = [&] {
+            map->texture->bind(kDepthMapUnit);
+            program_->set("u_spacing_texels", float(tap_spacing(task.parameters)));
+        };
+        outputs.set("visibility",
+                    resolve_.run(engine, {.frame = task.frame,
+                                          .light = task.light,
+                                          .position = position,
+                                          .program = *program_,
+                                          .work_per_pixel = kernel * kernel * (task.parameters.get_bool("bilinear") ? 4 : 1),
+                                          .bind_inputs = bind}));
+    }
+
+private:
+    TechniqueDescriptor descriptor_ = describe_pcf();
+    const gl::Program* program_ = nullptr;
+    ResolvePass resolve_;
+};
+
+std::vector<ParameterSpec> pcf_parameters() {
+    ParameterSpec kernel;
+    kernel.id = "kernel";
+    kernel.label = "Kernel";
+    kernel.type = ParameterType::Int;
+    kernel.default_value = std::int64_t{3};
+    kernel.min = 1;
+    kernel.max = 31;
+    kernel.step = 2;
+    kernel.unit = "taps";
+    kernel.help = "Depth tests per side of the square kernel; 1 is the standard shadow map";
+
+    ParameterSpec radius;
+    radius.id = "radius";
+    radius.label = "Radius";
+    radius.type = ParameterType::Float;
+    radius.default_value = 0.0;
+    radius.min = 0;
+    radius.max = 64;
+    radius.unit = "texels";
+    radius.help = "Distance from the middle to the outermost taps; 0 sets the taps one texel apart";
+
+    ParameterSpec bilinear;
+    bilinear.id = "bilinear";
+    bilinear.label = "Bilinear";
+    bilinear.type = ParameterType::Bool;
+    bilinear.default_value = false;
+    bilinear.help = "Weigh the four texels round each tap, which makes the border's steps a ramp";
+    return {map_size_parameter(), kernel, radius, bilinear};
+}
+
+}  // namespace
+
+TechniqueDescriptor describe_pcf() {
+    TechniqueDescriptor d;
+    d.id = "pcf";
+    d.label = "PCF";
+    d.summary = "Percentage-closer filtering: the mean of k x k depth tests, for softened borders";
+    d.reference = "Reeves87";
+    d.parameters = pcf_parameters();
+    d.outputs = visibility_output();
+    d.lights = all_light_kinds();
+    d.limits = "The border's width follows the map's texels, not the light's size";
+    d.needs = [](const ParameterValues& values) {
+        TechniqueNeeds needs;
+        needs.map_size = int(values.get_int("map_size"));
+        needs.map_border_texels = kFootprintBorderTexels + int(std::ceil(kernel_reach(values)));
+        return needs;
+    };
+    return d;
+}
+
+std::unique_ptr<Technique> make_pcf() { return std::make_unique<PCF>(); }
+
+}  // namespace shadow_layers

@@ -1,0 +1,64 @@
+// SPDX-FileCopyrightText: 2026 Shadow Layers contributors
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Standard shadow mapping: a depth map from the light, one depth test per receiver.
+// Based on: L. Williams, Casting curved shadows on curved surfaces, SIGGRAPH 1978.
+// Differences: the receiver is compared in its own plane at the texel's centre, and casters are pushed back by half their
+// slope per texel, so that there is no bias to tune (docs/techniques/sm.md).
+// Fails: steps of a texel at the shadow's border; casters thinner than a texel.
+#include "techniques/sm/sm.h"
+
+#include "stages/depth_map.h"
+#include "stages/resolve.h"
+#include "techniques/common_parameters.h"
+
+namespace shadow_layers {
+namespace {
+
+class SM final : public Technique {
+public:
+    void prepare(Engine& engine, const ParameterValues& parameters) override {
+        check_map_size(engine, descriptor_, parameters);
+        program_ = &engine.program("frame/fullscreen.vert", "techniques/sm/sm.frag");
+    }
+
+    void render(Engine& engine, const LightTask& task, LayerOutputs& outputs) override {
+        const LightPosition& position = task.positions.front();
+        const auto map = render_depth_map(engine, *task.frame.scene, position);
+        outputs.set("visibility",
+                    resolve_.run(engine, {.frame = task.frame,
+                                          .light = task.light,
+                                          .position = position,
+                                          .program = *program_,
+                                          .bind_inputs = [&] { map->texture->bind(kDepthMapUnit); }}));
+    }
+
+private:
+    TechniqueDescriptor descriptor_ = describe_sm();
+    const gl::Program* program_ = nullptr;
+    ResolvePass resolve_;
+};
+
+}  // namespace
+
+TechniqueDescriptor describe_sm() {
+    TechniqueDescriptor d;
+    d.id = "sm";
+    d.label = "Shadow Map";
+    d.summary = "Standard shadow mapping: one depth test per pixel, without a bias to tune";
+    d.reference = "Williams78";
+    d.parameters = {map_size_parameter()};
+    d.outputs = visibility_output();
+    d.lights = all_light_kinds();
+    d.limits = "Borders are stepped by the map's texels; casters thinner than a texel break up";
+    d.needs = [](const ParameterValues& values) {
+        TechniqueNeeds needs;
+        needs.map_size = int(values.get_int("map_size"));
+        needs.map_border_texels = kFootprintBorderTexels;
+        return needs;
+    };
+    return d;
+}
+
+std::unique_ptr<Technique> make_sm() { return std::make_unique<SM>(); }
+
+}  // namespace shadow_layers

@@ -1,0 +1,66 @@
+// SPDX-FileCopyrightText: 2026 Shadow Layers contributors
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+// From the four depth tests and the four edge texels round a sample to the signed distance of the shadow's border.
+// Distances in texels, positive = lit. Corners are numbered (0,0) (1,0) (0,1) (1,1); `at` is the sample in the unit square.
+// Based on: [Kenzel13] 3.1.1 and 4.2.2.
+// Differences: the thesis interpolates signed distances bilinearly and lets their sign decide. Here the depth tests give
+// the signs and the map gives only distances, or one line that agrees with all four tests.
+
+struct EdgeTexel {
+    vec2 normal;     // unit, of the line through the texel's nearest edge
+    float distance;  // signed along normal, from the texel's centre
+    bool relevant;   // false: no edge here, or one that lies behind the receiver
+};
+
+const vec2 kCorners[4] = vec2[4](vec2(0, 0), vec2(1, 0), vec2(0, 1), vec2(1, 1));
+
+vec4 bilinear_weights(vec2 at) {
+    return vec4((1.0 - at.x) * (1.0 - at.y), at.x * (1.0 - at.y), (1.0 - at.x) * at.y, at.x * at.y);
+}
+
+vec4 edge_magnitudes(EdgeTexel texels[4], float missing) {
+    vec4 magnitudes;
+    for (int k = 0; k < 4; ++k) magnitudes[k] = texels[k].relevant ? abs(texels[k].distance) : missing;
+    return magnitudes;
+}
+
+// Tests give the sign, the map the distance: sum of w_k (s_k ? m_k : -m_k). `missing` is the distance of a texel without an
+// edge; 1/2 puts the border midway between disagreeing tests.
+float sign_forced_distance(vec2 at, vec4 lit, EdgeTexel texels[4], float missing) {
+    return dot(bilinear_weights(at), (2.0 * lit - 1.0) * edge_magnitudes(texels, missing));
+}
+
+// The raster places a vertex to 1/256 of a texel, so a centre that close to a line may lie on either side of it.
+const float kLineTolerance = 1.0 / 64.0;
+
+// A line is believed if it has all lit corners on one side and all others on the other. Of several, that of the nearest
+// texel counts. False if there is none.
+bool agreeing_line_distance(vec2 at, vec4 lit, EdgeTexel texels[4], out float signed_distance) {
+    vec4 weights = bilinear_weights(at);
+    vec4 signs = 2.0 * lit - 1.0;
+    float best_weight = -1.0;
+    signed_distance = 0.0;
+    for (int k = 0; k < 4; ++k) {
+        vec2 normal = texels[k].normal;
+        float at_origin = texels[k].distance - dot(normal, kCorners[k]);
+        vec4 at_corners = at_origin + vec4(0.0, normal.x, normal.y, normal.x + normal.y);
+        vec4 agreement = at_corners * signs;
+        bool same = all(greaterThan(agreement, vec4(-kLineTolerance)));
+        bool opposite = all(lessThan(agreement, vec4(kLineTolerance)));
+        if (texels[k].relevant && (same || opposite) && weights[k] > best_weight) {
+            best_weight = weights[k];
+            float value = at_origin + dot(normal, at);
+            signed_distance = same ? value : -value;
+        }
+    }
+    return best_weight >= 0.0;
+}
+
+// Light that passes a straight border at `signed_distance` from a round source of the given width: the part of the disc on
+// the lit side. The kernel of [Kenzel13] figure 6.1.
+float disc_kernel(float signed_distance, float width) {
+    float x = clamp(2.0 * signed_distance / width, -1.0, 1.0);
+    return 0.5 + (x * sqrt(1.0 - x * x) + asin(x)) * (1.0 / 3.14159265358979);
+}

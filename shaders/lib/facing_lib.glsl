@@ -1,0 +1,29 @@
+// SPDX-FileCopyrightText: 2026 Shadow Layers contributors
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+// What is decided without a map. The same rule stands in native/lights/facing.h, for the CPU.
+
+const float kMapDecides = -1.0;
+
+// Visibility, or kMapDecides. `to_light` need not be of unit length; `cone` is as in LightParams.
+float visibility_without_map(bool covered, bool linked, bool casts_shadow, vec3 normal, vec3 to_light, vec4 cone) {
+    bool in_cone = dot(cone.xyz, to_light) >= cone.w * length(to_light);
+    bool faces_light = dot(normal, to_light) > 0.0;
+    if (!covered || !linked || !in_cone) return 1.0;
+    if (!faces_light) return 0.0;
+    return casts_shadow ? kMapDecides : 1.0;
+}
+
+bool group_is_in(uint group, uvec2 set) {
+    uint word = group < 32u ? set.x : set.y;
+    return ((word >> (group & 31u)) & 1u) != 0u;
+}
+
+// Cube face of a direction given in the light's axes: +X -X +Y -Y +Z -Z, as in LightView::face.
+int cube_face(vec3 direction) {
+    vec3 size = abs(direction);
+    if (size.x >= size.y && size.x >= size.z) return direction.x >= 0.0 ? 0 : 1;
+    if (size.y >= size.z) return direction.y >= 0.0 ? 2 : 3;
+    return direction.z >= 0.0 ? 4 : 5;
+}

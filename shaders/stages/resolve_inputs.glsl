@@ -1,0 +1,54 @@
+// SPDX-FileCopyrightText: 2026 Shadow Layers contributors
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+// What every resolve pass starts from: the pixel's receiver, and its place in the light's map.
+
+#include "shared/light_params.h"
+#include "lib/facing_lib.glsl"
+#include "lib/projection_lib.glsl"
+
+layout(std140, binding = kLightParamsSlot) uniform LightBlock {
+    LightParams light;
+};
+layout(binding = kPositionUnit) uniform sampler2D position_tx;  // xyz: position_rel, w: coverage
+layout(binding = kNormalUnit) uniform sampler2D normal_tx;      // xyz: normal, w: receiver group
+
+struct Receiver {
+    vec3 position_rel;
+    vec3 normal;
+    vec3 to_light;           // not of unit length
+    float fixed_visibility;  // or kMapDecides
+};
+
+Receiver fetch_receiver(ivec2 pixel) {
+    vec4 position = texelFetch(position_tx, pixel, 0);
+    vec4 normal = texelFetch(normal_tx, pixel, 0);
+    Receiver receiver;
+    receiver.position_rel = position.xyz;
+    receiver.normal = normal.xyz;
+    receiver.to_light = light.place_rel.xyz - light.place_rel.w * position.xyz;
+    receiver.fixed_visibility =
+        visibility_without_map(position.w > 0.5, group_is_in(uint(normal.w), light.receivers.xy), light.receivers.z != 0u,
+                               normal.xyz, receiver.to_light, light.cone);
+    return receiver;
+}
+
+// Map layer that holds the receiver, or -1.
+int choose_layer(Receiver receiver) {
+    if (light.layer_of_face[1].z == 0) return light.layer_of_face[1].w > 0 ? 0 : -1;
+    vec3 from_light = -receiver.to_light;
+    int face = cube_face(vec3(dot(light.axes_rel[0].xyz, from_light), dot(light.axes_rel[1].xyz, from_light),
+                              dot(light.axes_rel[2].xyz, from_light)));
+    return face < 4 ? light.layer_of_face[0][face] : light.layer_of_face[1][face - 4];
+}
+
+MapPoint locate_in_map(Receiver receiver, int layer) {
+    return project_receiver(light.lc_from_rel[max(layer, 0)], receiver.position_rel, receiver.normal, light.map.x);
+}
+
+// The map's answer where the map decides. A receiver that no view covers has no caster before it.
+float combine_visibility(Receiver receiver, int layer, float from_map) {
+    if (receiver.fixed_visibility != kMapDecides) return receiver.fixed_visibility;
+    return layer < 0 ? 1.0 : from_map;
+}
