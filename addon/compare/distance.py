@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 # Larger than any picture; its square still fits an int64 many times over.
-kNoTarget = 1 << 24
+NO_TARGET = 1 << 24
 
 
 def compute_nearest_distance(
@@ -24,8 +24,8 @@ def compute_nearest_distance(
     """
     height, width = targets.shape
     row_index = np.arange(height, dtype=np.int64)[:, None]
-    last_below = np.maximum.accumulate(np.where(targets, row_index, -kNoTarget), axis=0)
-    next_above = np.minimum.accumulate(np.where(targets, row_index, kNoTarget)[::-1], axis=0)[::-1]
+    last_below = np.maximum.accumulate(np.where(targets, row_index, -NO_TARGET), axis=0)
+    next_above = np.minimum.accumulate(np.where(targets, row_index, NO_TARGET)[::-1], axis=0)[::-1]
     vertical_squared = np.minimum(row_index - last_below, next_above - row_index) ** 2
     del last_below, next_above
 

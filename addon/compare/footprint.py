@@ -11,14 +11,13 @@ receiver, and the receiver's foreshortening in the picture.
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 # A spot wider than this is served by cube faces, because one frustum's texels would be stretched without bound.
-kWidestConeRad = math.radians(120.0)
+WIDEST_CONE_RAD = math.radians(120.0)
 
 
 def compute_view_positions(
@@ -43,13 +42,13 @@ def compute_tangents(normals: NDArray[np.floating]) -> tuple[NDArray[np.float64]
 
 
 def compute_pixel_gradients(
-    points_vs: NDArray[np.float64], camera: Mapping[str, Any], width: int, height: int
+    points_vs: NDArray[np.float64], camera: Any, width: int, height: int
 ) -> NDArray[np.float64]:
     """d(pixel x, pixel y)/d(view space point): (n, 2, 3). `camera` as in the snapshot; the picture's full size."""
-    left, right, bottom, top = camera["window"]
+    left, right, bottom, top = camera.window
     scale = np.array([width / (right - left), height / (top - bottom)])
     gradients = np.zeros((len(points_vs), 2, 3))
-    if camera["perspective"]:
+    if camera.perspective:
         depth = np.maximum(-points_vs[:, 2], 1e-300)
         gradients[:, 0, 0] = scale[0] / depth
         gradients[:, 1, 1] = scale[1] / depth
@@ -60,17 +59,17 @@ def compute_pixel_gradients(
 
 
 def compute_texel_gradients(
-    points_ls: NDArray[np.float64], light: Mapping[str, Any], map_size: int, sun_extent: float
+    points_ls: NDArray[np.float64], light: Any, map_size: int, sun_extent: float
 ) -> NDArray[np.float64]:
     """d(texel)/d(light space point): (n, 2, 3). `sun_extent`: the side of the sun's map in scene units."""
     count = len(points_ls)
     gradients = np.zeros((count, 2, 3))
-    if light["kind"] == "SUN":
+    if light.kind == "SUN":
         gradients[:, 0, 0] = gradients[:, 1, 1] = map_size / max(sun_extent, 1e-300)
         return gradients
-    if light["kind"] == "SPOT" and light["spot_angle"] <= kWidestConeRad:
+    if light.kind == "SPOT" and light.spot_angle <= WIDEST_CONE_RAD:
         major = np.full(count, 2)
-        scale = 0.5 * map_size / math.tan(0.5 * light["spot_angle"])
+        scale = 0.5 * map_size / math.tan(0.5 * light.spot_angle)
     else:  # a cube face: its axis is the longest component
         major = np.argmax(np.abs(points_ls), axis=1)
         scale = 0.5 * map_size
@@ -103,14 +102,12 @@ def compute_largest_stretch(
     return np.where(det_b == 0.0, np.inf, stretch)
 
 
-def compute_sun_extent(
-    points_rel: NDArray[np.floating], origin_ws: NDArray[np.float64], light: Mapping[str, Any]
-) -> float:
+def compute_sun_extent(points_rel: NDArray[np.floating], origin_ws: NDArray[np.float64], light: Any) -> float:
     """Side of the square, in scene units, that holds all receivers seen, in the sun's own axes: the largest map a fit
     to the receivers can need. `points_rel` (n, 3)."""
     if len(points_rel) == 0:
         return 0.0
-    points_ls = compute_view_positions(points_rel, origin_ws, np.asarray(light["world_from_light"], dtype=np.float64))
+    points_ls = compute_view_positions(points_rel, origin_ws, np.asarray(light.world_from_light, dtype=np.float64))
     return float(np.ptp(points_ls[:, :2], axis=0).max())
 
 
@@ -119,24 +116,22 @@ def compute_texel_footprint_px(
     normals: NDArray[np.floating],
     origin_ws: NDArray[np.float64],
     *,
-    camera: Mapping[str, Any],
+    camera: Any,
     width: int,
     height: int,
-    light: Mapping[str, Any],
+    light: Any,
     map_size: int,
     sun_extent: float = 0.0,
 ) -> NDArray[np.float64]:
     """Pixels that one texel of the light's map covers at each receiver, along the direction it is longest in: (n,).
 
     `points_rel` (n, 3) world axes relative to `origin_ws` (the camera's position); `normals` (n, 3) unit; `camera` and
-    `light` as in the snapshot's JSON; `width`, `height` of the full picture; `sun_extent` by `compute_sun_extent`.
+    `light` as in the snapshot; `width`, `height` of the full picture; `sun_extent` by `compute_sun_extent`.
     """
     origin_ws = np.asarray(origin_ws, dtype=np.float64)
-    camera_matrix = np.asarray(camera["world_from_camera"], dtype=np.float64)
-    light_matrix = np.asarray(light["world_from_light"], dtype=np.float64)
-    pixel = compute_pixel_gradients(
-        compute_view_positions(points_rel, origin_ws, camera_matrix), camera, width, height
-    )
+    camera_matrix = np.asarray(camera.world_from_camera, dtype=np.float64)
+    light_matrix = np.asarray(light.world_from_light, dtype=np.float64)
+    pixel = compute_pixel_gradients(compute_view_positions(points_rel, origin_ws, camera_matrix), camera, width, height)
     texel = compute_texel_gradients(
         compute_view_positions(points_rel, origin_ws, light_matrix), light, map_size, sun_extent
     )

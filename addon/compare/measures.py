@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Shadow Layers contributors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""How far a shadow layer is from the truth. Each measure is defined here once, with its unit; docs/measures.md explains.
+"""How far a shadow layer is from the truth. Each measure is defined here once; docs/measures.md explains.
 
 All measures run over the comparable pixels: both renderers see the same face there and it is turned to the light.
 With s the layer (0..1, 1 = lit), t the truth (0 or 1) and "wrong" meaning (s >= 0.5) != (t >= 0.5):
@@ -16,10 +16,10 @@ from numpy.typing import NDArray
 
 from .distance import compute_nearest_distance
 
-kLitThreshold = 0.5
+LIT_THRESHOLD = 0.5
 # "Far" from the true border: more than this many pixels and more than this many of the map's texels.
-kFarPx = 2.0
-kFarTexels = 2.0
+FAR_PX = 2.0
+FAR_TEXELS = 2.0
 
 
 @dataclass(frozen=True)
@@ -32,20 +32,22 @@ class MeasureInfo:
     help: str
 
 
-kMeasures = (
+MEASURES = (
     MeasureInfo("misclassified_fraction", "Misclassified", "fraction", "wrong pixels: lit instead of shadowed or back"),
     MeasureInfo("signed_bias", "Bias", "visibility", "mean of s - t; positive: the layer is too light"),
     MeasureInfo("mae", "MAE", "visibility", "mean of |s - t|"),
     MeasureInfo("rmse", "RMSE", "visibility", "root of the mean of (s - t) squared"),
     MeasureInfo(
-        "p99_border_distance_px", "P99 distance", "px",
+        "p99_border_distance_px",
+        "P99 distance",
+        "px",
         "99 % of the wrong pixels' centres lie within this distance of the true shadow's border",
     ),
     MeasureInfo("acne_fraction", "Acne", "fraction", "shadow more than 2 px and 2 texels from any true shadow"),
     MeasureInfo("leak_fraction", "Leak", "fraction", "light more than 2 px and 2 texels inside a true shadow"),
 )
 
-kWrongShadow, kWrongLight, kAcne, kLeak = 1, 2, 3, 4
+WRONG_SHADOW, WRONG_LIGHT, ACNE, LEAK = 1, 2, 3, 4
 
 # Pixels one texel covers at the pixels (rows, columns): (n,) each; returns (n,).
 FootprintFunction = Callable[[NDArray[np.integer], NDArray[np.integer]], NDArray[np.floating]]
@@ -54,7 +56,7 @@ FootprintFunction = Callable[[NDArray[np.integer], NDArray[np.integer]], NDArray
 @dataclass(frozen=True)
 class LayerMeasures:
     """`values` by measure id (float; None: undefined), `pixel_count` comparable pixels, `faults` (h, w) uint8: 0 right,
-    kWrongShadow, kWrongLight, kAcne or kLeak."""
+    WRONG_SHADOW, WRONG_LIGHT, ACNE or LEAK."""
 
     values: dict[str, float | None]
     pixel_count: int
@@ -92,26 +94,26 @@ def measure_layer(
     faults = np.zeros(truth.shape, dtype=np.uint8)
     pixel_count = int(comparable.sum())
     if pixel_count == 0:
-        return LayerMeasures({measure.id: None for measure in kMeasures}, 0, faults)
+        return LayerMeasures({measure.id: None for measure in MEASURES}, 0, faults)
 
     finite = np.isfinite(visibility)
     safe = np.where(finite, visibility, np.where(truth, 0.0, 1.0)).astype(np.float64)
     error = safe[comparable] - truth[comparable]
-    lit = safe >= kLitThreshold
+    lit = safe >= LIT_THRESHOLD
     true_lit, true_shadow = comparable & truth, comparable & ~truth
     dark = true_shadow if facing_away is None else true_shadow | facing_away
     distances = []
     for fault, far_fault, wrong, opposite in (
-        (kWrongShadow, kAcne, true_lit & ~lit, dark),
-        (kWrongLight, kLeak, true_shadow & lit, true_lit),
+        (WRONG_SHADOW, ACNE, true_lit & ~lit, dark),
+        (WRONG_LIGHT, LEAK, true_shadow & lit, true_lit),
     ):
         rows, columns, distance = compute_border_distance_px(wrong, opposite)
         texel_px = np.zeros(distance.shape) if footprint_px is None else footprint_px(rows, columns)
         # An infinite distance is far whatever the texel; an infinite texel (light along the face) never lets it be.
-        far = np.isinf(distance) | (distance > np.maximum(kFarPx, kFarTexels * texel_px))
+        far = np.isinf(distance) | (distance > np.maximum(FAR_PX, FAR_TEXELS * texel_px))
         faults[rows, columns] = np.where(far, far_fault, fault)
         distances.append(distance)
-    counts = np.bincount(faults.ravel(), minlength=kLeak + 1)
+    counts = np.bincount(faults.ravel(), minlength=LEAK + 1)
     wrong_count = int(counts[1:].sum())
     values: dict[str, float | None] = {
         "misclassified_fraction": wrong_count / pixel_count,
@@ -119,8 +121,8 @@ def measure_layer(
         "mae": float(np.abs(error).mean()),
         "rmse": float(np.sqrt(np.square(error).mean())),
         "p99_border_distance_px": compute_p99(np.concatenate(distances)),
-        "acne_fraction": int(counts[kAcne]) / pixel_count,
-        "leak_fraction": int(counts[kLeak]) / pixel_count,
+        "acne_fraction": int(counts[ACNE]) / pixel_count,
+        "leak_fraction": int(counts[LEAK]) / pixel_count,
     }
     return LayerMeasures(values, pixel_count, faults)
 

@@ -5,6 +5,7 @@
 import math
 import sys
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -59,7 +60,7 @@ def test_right_layer_has_no_error():
 
 
 def test_every_measure_has_a_value():
-    assert set(measure(np.ones((2, 2)), np.ones((2, 2))).values) == {info.id for info in measures.kMeasures}
+    assert set(measure(np.ones((2, 2)), np.ones((2, 2))).values) == {info.id for info in measures.MEASURES}
 
 
 def test_border_moved_by_k_pixels():
@@ -117,8 +118,8 @@ def test_acne_is_speckle_far_from_shadow_and_leak_light_inside():
     assert result.values["acne_fraction"] == pytest.approx(1 / 3600)
     assert result.values["leak_fraction"] == pytest.approx(1 / 3600)
     assert result.values["misclassified_fraction"] == pytest.approx(4 / 3600)
-    assert result.faults[10, 50] == measures.kAcne and result.faults[10, 5] == measures.kLeak
-    assert result.faults[20, 30] == measures.kWrongShadow and result.faults[20, 29] == measures.kWrongLight
+    assert result.faults[10, 50] == measures.ACNE and result.faults[10, 5] == measures.LEAK
+    assert result.faults[20, 30] == measures.WRONG_SHADOW and result.faults[20, 29] == measures.WRONG_LIGHT
 
 
 def test_false_shadow_at_the_dark_side_is_no_acne():
@@ -170,14 +171,13 @@ def test_p99_takes_the_ninety_ninth_of_a_hundred():
 # ---- comparable pixels
 
 
-def look_down(width=8, height=8, z=10.0, perspective=True, extent=1.0, origin=(0.0, 0.0)):
+def look_down(width=8, height=8, *, z=10.0, perspective=True, extent=1.0, origin=(0.0, 0.0)):
     """A camera at height z over `origin` that looks straight down, its window 2 * extent wide."""
     matrix = np.eye(4)
     matrix[:3, 3] = (*origin, z)
-    camera = {
-        "perspective": perspective, "window": [-extent, extent, -extent, extent],
-        "clip_start": 0.1, "clip_end": 100.0, "world_from_camera": matrix.tolist(),
-    }
+    camera = SimpleNamespace(
+        perspective=perspective, window=(-extent, extent, -extent, extent), world_from_camera=matrix
+    )
     x = (np.arange(width) + 0.5) / width * 2 * extent - extent
     y = (np.arange(height) + 0.5) / height * 2 * extent - extent
     scale = z if perspective else 1.0
@@ -190,7 +190,8 @@ def look_down(width=8, height=8, z=10.0, perspective=True, extent=1.0, origin=(0
 def make_light(kind="POINT", location=(0.0, 0.0, 5.0), **keywords):
     matrix = np.eye(4)
     matrix[:3, 3] = location
-    return {"kind": kind, "world_from_light": matrix.tolist(), "spot_angle": 0.8, "receiver_set": "f" * 16, **keywords}
+    fields = {"spot_angle": 0.8, "receiver_set": pixels.ALL_GROUPS, **keywords}
+    return SimpleNamespace(kind=kind, world_from_light=matrix, **fields)
 
 
 def classify(camera, positions, light, *, others=None, covered=None, normals=None, lit=None):
@@ -202,7 +203,10 @@ def classify(camera, positions, light, *, others=None, covered=None, normals=Non
         pixels.Surface(positions if others is None else others, covered),
         normals,
         np.ones((height, width), bool) if lit is None else lit,
-        camera=camera, width=width, height=height, light=light,
+        camera=camera,
+        width=width,
+        height=height,
+        light=light,
     )
 
 
@@ -212,12 +216,17 @@ def test_background_and_other_surfaces_are_excluded():
     covered[0] = False
     others = positions.copy()
     pixel_size = 10 * 2 / 8
-    others[1, :, 2] += 1.02 * pixels.kSurfaceTolerancePx * pixel_size
-    others[2, :, 2] += 0.98 * pixels.kSurfaceTolerancePx * pixel_size
+    others[1, :, 2] += 1.02 * pixels.SURFACE_TOLERANCE_PX * pixel_size
+    others[2, :, 2] += 0.98 * pixels.SURFACE_TOLERANCE_PX * pixel_size
     others[3, :, 0] += pixel_size  # along the face: still the same plane
     classes = classify(camera, positions, make_light(), others=others, covered=covered)
     assert classes.count_excluded() == {
-        "background": 8, "not_same_surface": 8, "faces_away": 0, "outside_cone": 0, "not_linked": 0, "unlit": 0,
+        "background": 8,
+        "not_same_surface": 8,
+        "faces_away": 0,
+        "outside_cone": 0,
+        "not_linked": 0,
+        "unlit": 0,
     }
     assert classes.comparable.sum() == 48
 
@@ -230,7 +239,7 @@ def test_covered_by_one_only_is_not_the_same_surface():
     classes = pixels.classify_pixels(
         ours, truth, normals, np.ones((1, 2), bool), camera=camera, width=2, height=1, light=make_light()
     )
-    assert [pixels.kExclusionCauses[cause] for cause in classes.cause[0]] == ["not_same_surface", "background"]
+    assert [pixels.EXCLUSION_CAUSES[cause] for cause in classes.cause[0]] == ["not_same_surface", "background"]
 
 
 def test_far_from_the_origin_rounding_does_not_exclude():
@@ -269,19 +278,26 @@ def test_light_that_cycles_does_not_send_is_named():
     lit = np.ones((8, 8), bool)
     lit[0, :3] = False
     assert classify(camera, positions, make_light(), lit=lit).count_excluded()["unlit"] == 3
-    linked = make_light(receiver_set="00000000000000ff")
+    linked = make_light(receiver_set=0xFF)
     assert classify(camera, positions, linked, lit=lit).count_excluded()["not_linked"] == 3
 
 
 # ---- texel footprints
 
 
-def footprint(camera, positions, light, map_size, normals=None, sun_extent=0.0, size=8):
+def footprint(camera, positions, light, map_size, *, normals=None, sun_extent=0.0, size=8):
     flat = positions.reshape(-1, 3)
     normals = np.broadcast_to([0.0, 0.0, 1.0], flat.shape) if normals is None else normals
-    origin = np.array(camera["world_from_camera"])[:3, 3]
+    origin = camera.world_from_camera[:3, 3]
     return compute_texel_footprint_px(
-        flat, normals, origin, camera=camera, width=size, height=size, light=light, map_size=map_size,
+        flat,
+        normals,
+        origin,
+        camera=camera,
+        width=size,
+        height=size,
+        light=light,
+        map_size=map_size,
         sun_extent=sun_extent,
     )
 
@@ -298,8 +314,13 @@ def test_sun_at_an_angle_stretches_the_texel():
     camera, positions = look_down(perspective=False, extent=10.0)
     light = make_light("SUN")
     angle = 1.1
-    light["world_from_light"] = np.array(
-        [[math.cos(angle), 0, math.sin(angle), 0], [0, 1, 0, 0], [-math.sin(angle), 0, math.cos(angle), 0], [0, 0, 0, 1]]
+    light.world_from_light = np.array(
+        [
+            [math.cos(angle), 0, math.sin(angle), 0],
+            [0, 1, 0, 0],
+            [-math.sin(angle), 0, math.cos(angle), 0],
+            [0, 0, 0, 1],
+        ]
     )
     got = footprint(camera, positions, light, 100, sun_extent=20.0)
     np.testing.assert_allclose(got, 8 / 100 / math.cos(angle))

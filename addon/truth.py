@@ -1,0 +1,333 @@
+# SPDX-FileCopyrightText: 2026 Shadow Layers contributors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Cycles as ground truth: per light, which pixels' centres the light reaches.
+
+Visibility is the ratio of two renders, with and without shadows, of a white diffuse scene with that one light, made a
+point or a parallel beam: each is 0 or 1 exactly. A third render, of an emission shader that shows the position, says
+which surface Cycles sees. One sample a pixel, through its centre. docs/measures.md holds what was measured for this.
+
+Everything is put back when the `with` block ends; the scene must not be edited meanwhile.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import os
+import tempfile
+import time
+from dataclasses import dataclass
+from typing import Any
+
+import bpy
+import numpy as np
+from numpy.typing import NDArray
+
+from .scene_guard import SceneGuard
+
+# Part of every cache key: raise it when what is rendered changes.
+TRUTH_VERSION = 1
+# The smallest that Cycles takes. With a Gaussian of this width samples lie within 0.002 pixels of the centre.
+FILTER_WIDTH_PX = 0.01
+# Any energy gives the same ratio; this one keeps float32 far from its limits between 1e-8 and 1e8 scene units.
+LIGHT_ENERGY = 1000.0
+# A ratio this near to 0 or 1 is that value; others are counted as undecided and compared as what they are nearer to.
+RATIO_TOLERANCE = 1e-3
+MATERIAL_PREFIX = ".shadow_layers_truth"
+
+
+class TruthError(RuntimeError):
+    """Cycles gave no truth; the text names the culprit and the remedy."""
+
+
+@dataclass(frozen=True)
+class TruthSurface:
+    """What Cycles sees through the pixels' centres, row 0 at the bottom."""
+
+    positions_ws: NDArray[np.float32]  # (h, w, 3)
+    covered: NDArray[np.bool_]  # (h, w)
+    time_ms: float
+
+
+@dataclass(frozen=True)
+class LightTruth:
+    """The hard shadow of one light, row 0 at the bottom."""
+
+    visible: NDArray[np.bool_]  # (h, w) the light reaches the point
+    lit: NDArray[np.bool_]  # (h, w) it would, if nothing cast shadows: faces it, is in its cone, linked to it
+    undecided_count: int  # pixels whose ratio is neither 0 nor 1
+    times_ms: dict[str, float]  # "shadows_on", "shadows_off"
+
+
+class CyclesTruth:
+    """Renders the truth of a scene at its current frame and camera.
+
+        with CyclesTruth(scene, view_layer, 1280, 720) as truth:
+            surface = truth.render_surface()
+            shadow = truth.render_light("Sun")
+
+    Changes of the frame between two calls are followed.
+    """
+
+    def __init__(
+        self, scene: bpy.types.Scene, view_layer: bpy.types.ViewLayer, width: int, height: int, threads: int = 0
+    ) -> None:
+        self._scene, self._view_layer = scene, view_layer
+        self._width, self._height = width, height
+        self._threads = threads
+        self._stack = contextlib.ExitStack()
+
+    def __enter__(self) -> CyclesTruth:
+        if self._scene.camera is None:
+            raise TruthError(
+                f'scene "{self._scene.name}" has no camera: choose one in its properties, or give --camera'
+            )
+        with contextlib.ExitStack() as stack:
+            self._folder = stack.enter_context(tempfile.TemporaryDirectory(prefix="shadow_layers_truth_"))
+            guard = stack.enter_context(SceneGuard())
+            self._set_up_scene(guard)
+            self._set_up_cycles(guard)
+            self._set_up_output(guard)
+            self._set_up_objects(guard)
+            self._position_material = make_position_material(guard)
+            self._diffuse_material = make_diffuse_material(guard)
+            self._dark_light = guard.made(bpy.data.lights, bpy.data.lights.new(MATERIAL_PREFIX + "_dark", "POINT"))
+            self._dark_light.energy = 0.0
+            self._stack = stack.pop_all()
+        return self
+
+    def __exit__(self, *error: object) -> None:
+        self._stack.__exit__(*error)
+
+    def render_surface(self) -> TruthSurface:
+        """Position and coverage of what is seen. Raises TruthError."""
+        with SceneGuard() as guard:
+            self._darken_lights(guard, None)
+            pixels, time_ms = self._render(self._position_material)
+        return TruthSurface(np.ascontiguousarray(pixels[..., :3]), pixels[..., 3] > 0.5, time_ms)
+
+    def render_light(self, name: str) -> LightTruth:
+        """The hard shadow of the light object of that name. Raises TruthError."""
+        light_object = bpy.data.objects.get(name)
+        if light_object is None or light_object.type != "LIGHT":
+            raise TruthError(f'"{name}" is no light object: instanced lights have no truth yet, make them real objects')
+        with SceneGuard() as guard:
+            light = self._make_hard_light(guard, light_object)
+            casts_shadow = get_shadow_switch(light)
+            self._darken_lights(guard, light_object)
+            guard.set(light_object, "data", light)
+            set_shadow_switch(light, casts_shadow)
+            shadowed, on_ms = self._render(self._diffuse_material)
+            set_shadow_switch(light, False)
+            open_sky, off_ms = self._render(self._diffuse_material)
+        return compute_light_truth(shadowed[..., 0], open_sky[..., 0], {"shadows_on": on_ms, "shadows_off": off_ms})
+
+    # ---- setting up
+
+    def _set_up_scene(self, guard: SceneGuard) -> None:
+        scene, layer, render = self._scene, self._view_layer, self._scene.render
+        guard.set(scene, "world", None)
+        guard.set_if_there(layer, "world_override", None)
+        guard.set(layer, "use", True)
+        guard.set(layer, "use_pass_combined", True)
+        guard.set(layer, "samples", 0)
+        # The override is set anew for each render; this remembers the user's.
+        user_override = layer.material_override
+        guard.on_exit(lambda: setattr(layer, "material_override", user_override))
+        guard.set(render, "engine", "CYCLES")
+        guard.set(render, "resolution_x", self._width)
+        guard.set(render, "resolution_y", self._height)
+        guard.set(render, "resolution_percentage", 100)
+        guard.set(render, "film_transparent", True)
+        for name in (
+            "use_border", "use_multiview", "use_compositing", "use_sequencer", "use_freestyle", "use_motion_blur",
+            "use_persistent_data",
+        ):  # fmt: skip
+            guard.set_if_there(render, name, False)
+        if self._threads:
+            guard.set(render, "threads_mode", "FIXED")
+            guard.set(render, "threads", self._threads)
+        if scene.camera.type == "CAMERA":
+            guard.set(scene.camera.data.dof, "use_dof", False)
+
+    def _set_up_cycles(self, guard: SceneGuard) -> None:
+        cycles = self._scene.cycles
+        guard.set(cycles, "device", "CPU")
+        guard.set(cycles, "samples", 1)
+        guard.set(cycles, "pixel_filter_type", "GAUSSIAN")
+        guard.set(cycles, "filter_width", FILTER_WIDTH_PX)
+        guard.set(cycles, "film_exposure", 1.0)
+        for name in (
+            "max_bounces", "diffuse_bounces", "glossy_bounces", "transmission_bounces", "volume_bounces",
+            "sample_clamp_direct", "sample_clamp_indirect", "light_sampling_threshold", "time_limit", "sample_offset",
+            "min_light_bounces", "min_transparent_bounces", "seed",
+        ):  # fmt: skip
+            guard.set_if_there(cycles, name, 0)
+        for name in (
+            "use_adaptive_sampling", "use_denoising", "use_fast_gi", "use_light_tree", "use_guiding",
+            "use_animated_seed", "shading_system",
+        ):  # fmt: skip
+            guard.set_if_there(cycles, name, False)
+        # Adaptive subdivision would refine what the snapshot holds at render level.
+        guard.set_if_there(cycles, "feature_set", "SUPPORTED")
+
+    def _set_up_output(self, guard: SceneGuard) -> None:
+        render, image = self._scene.render, self._scene.render.image_settings
+        self._path = os.path.join(self._folder, "truth.exr")
+        guard.set(render, "filepath", self._path)
+        for name in ("use_file_extension", "use_overwrite"):
+            guard.set(render, name, True)
+        guard.set(render, "use_placeholder", False)
+        # What a format allows depends on it, so all of it is remembered first and set again in Blender's order.
+        names = ("media_type", "file_format", "color_mode", "color_depth", "exr_codec", "color_management")
+        user = {name: getattr(image, name) for name in names if hasattr(image, name)}
+
+        def restore() -> None:
+            for name, value in user.items():
+                with contextlib.suppress(TypeError):  # a codec that the user's format doesn't have
+                    setattr(image, name, value)
+
+        guard.on_exit(restore)
+        if "media_type" in user:
+            image.media_type = "IMAGE"
+        image.file_format = "OPEN_EXR"
+        image.color_mode = "RGBA"
+        image.color_depth = "32"
+        image.exr_codec = "NONE"
+        if "color_management" in user:
+            image.color_management = "FOLLOW_SCENE"
+
+    def _set_up_objects(self, guard: SceneGuard) -> None:
+        for thing in bpy.data.objects:
+            if thing.type == "LIGHT":
+                continue
+            # Blender moved these out of the Cycles add-on's properties; each version has one of the two places.
+            for owner in (thing, getattr(thing, "cycles", None)):
+                guard.set_if_there(owner, "shadow_terminator_geometry_offset", 0.0)
+                guard.set_if_there(owner, "shadow_terminator_shading_offset", 0.0)
+                guard.set_if_there(owner, "shadow_terminator_offset", 0.0)
+                guard.set_if_there(owner, "is_shadow_catcher", False)
+
+    # ---- lights
+
+    def _make_hard_light(self, guard: SceneGuard, light_object: bpy.types.Object) -> bpy.types.Light:
+        """A copy without size, colour, nodes or animation. An area light becomes a point at its centre."""
+        light = guard.made(bpy.data.lights, light_object.data.copy())
+        light.animation_data_clear()
+        if light.type == "AREA":
+            casts_shadow = get_shadow_switch(light)
+            light.type = "POINT"
+            light = bpy.data.lights[light.name]  # a light's Python type follows its kind
+            set_shadow_switch(light, casts_shadow)
+        if light.use_nodes:
+            light.use_nodes = False
+        light.color = (1.0, 1.0, 1.0)
+        light.energy = 1.0 if light.type == "SUN" else LIGHT_ENERGY
+        for name in ("shadow_soft_size", "angle", "spot_blend", "exposure"):
+            if hasattr(light, name):
+                setattr(light, name, 0.0)
+        for name in ("use_temperature", "use_soft_falloff"):
+            if hasattr(light, name):
+                setattr(light, name, False)
+        return light
+
+    def _darken_lights(self, guard: SceneGuard, kept: bpy.types.Object | None) -> None:
+        """Gives every other light object a light without energy, which Cycles leaves out, instances too."""
+        for thing in bpy.data.objects:
+            if thing.type == "LIGHT" and thing != kept:
+                guard.set(thing, "data", self._dark_light)
+
+    # ---- rendering
+
+    def _render(self, material: bpy.types.Material) -> tuple[NDArray[np.float32], float]:
+        """Renders with all materials replaced. (h, w, 4) float32, row 0 at the bottom, and the wall time."""
+        self._view_layer.material_override = material
+        with contextlib.suppress(FileNotFoundError):
+            os.unlink(self._path)
+        start = time.perf_counter()
+        try:
+            bpy.ops.render.render(write_still=True, layer=self._view_layer.name, scene=self._scene.name)
+        except RuntimeError as error:
+            raise TruthError(f"Cycles can't render the truth: {str(error).strip()}") from error
+        time_ms = (time.perf_counter() - start) * 1000.0
+        if not os.path.exists(self._path):
+            raise TruthError(f"Cycles wrote no picture to {self._folder}: see its messages above, and free disk space")
+        return load_pixels(self._path, self._width, self._height), time_ms
+
+
+def load_pixels(path: str, width: int, height: int) -> NDArray[np.float32]:
+    """The four channels of a picture file as they are: (h, w, 4), row 0 at the bottom. Raises TruthError."""
+    image = bpy.data.images.load(path, check_existing=False)
+    try:
+        image.colorspace_settings.name = "Non-Color"
+        if tuple(image.size) != (width, height):
+            raise TruthError(f"Cycles wrote {tuple(image.size)} pixels instead of {(width, height)} to {path}")
+        pixels = np.empty(width * height * 4, dtype=np.float32)
+        image.pixels.foreach_get(pixels)
+    finally:
+        bpy.data.images.remove(image)
+    return pixels.reshape(height, width, 4)
+
+
+def compute_light_truth(
+    shadowed: NDArray[np.float32], open_sky: NDArray[np.float32], times_ms: dict[str, float]
+) -> LightTruth:
+    """Truth from the renders with and without shadows, (h, w) each."""
+    lit = open_sky > 0.0
+    ratio = np.divide(shadowed, open_sky, out=np.zeros_like(shadowed), where=lit)
+    decided = (ratio < RATIO_TOLERANCE) | (np.abs(ratio - 1.0) < RATIO_TOLERANCE)
+    return LightTruth(ratio >= 0.5, lit, int((lit & ~decided).sum()), times_ms)
+
+
+# ---- version differences
+
+
+def get_shadow_switch(light: bpy.types.Light) -> bool:
+    """Whether Cycles lets the light cast shadows: its own switch before 4.2, the light's from then on."""
+    own = getattr(light, "cycles", None)
+    if own is not None and hasattr(own, "cast_shadow"):
+        return bool(own.cast_shadow)
+    return bool(light.use_shadow)
+
+
+def set_shadow_switch(light: bpy.types.Light, casts_shadow: bool) -> None:
+    own = getattr(light, "cycles", None)
+    if own is not None and hasattr(own, "cast_shadow"):
+        own.cast_shadow = casts_shadow
+    light.use_shadow = casts_shadow
+
+
+def make_material(guard: SceneGuard, name: str) -> Any:
+    """An empty node material, removed at the end."""
+    material = guard.made(bpy.data.materials, bpy.data.materials.new(MATERIAL_PREFIX + name))
+    if bpy.app.version < (5, 0, 0):  # always on from then on
+        material.use_nodes = True
+    material.node_tree.nodes.clear()
+    return material
+
+
+def make_position_material(guard: SceneGuard) -> bpy.types.Material:
+    """Shows the position in world axes as its colour."""
+    material = make_material(guard, "_position")
+    nodes, links = material.node_tree.nodes, material.node_tree.links
+    geometry, emission = nodes.new("ShaderNodeNewGeometry"), nodes.new("ShaderNodeEmission")
+    output = nodes.new("ShaderNodeOutputMaterial")
+    links.new(geometry.outputs["Position"], emission.inputs["Color"])
+    links.new(emission.outputs["Emission"], output.inputs["Surface"])
+    # Not a light: Cycles would gather every triangle of the scene for sampling.
+    if hasattr(material.cycles, "emission_sampling"):
+        material.cycles.emission_sampling = "NONE"
+    elif hasattr(material.cycles, "sample_as_light"):
+        material.cycles.sample_as_light = False
+    return material
+
+
+def make_diffuse_material(guard: SceneGuard) -> bpy.types.Material:
+    """White and diffuse about the geometric normal: smooth shading must not darken faces that see the light."""
+    material = make_material(guard, "_diffuse")
+    nodes, links = material.node_tree.nodes, material.node_tree.links
+    geometry, diffuse = nodes.new("ShaderNodeNewGeometry"), nodes.new("ShaderNodeBsdfDiffuse")
+    output = nodes.new("ShaderNodeOutputMaterial")
+    diffuse.inputs["Color"].default_value = (1.0, 1.0, 1.0, 1.0)
+    links.new(geometry.outputs["True Normal"], diffuse.inputs["Normal"])
+    links.new(diffuse.outputs["BSDF"], output.inputs["Surface"])
+    return material
