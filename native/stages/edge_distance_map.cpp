@@ -57,15 +57,12 @@ void draw_layer(Engine& engine, const std::vector<MapEdge>& edges, EdgeOrder ord
     DrawState state;
     state.depth_test = state.depth_write = true;
     state.depth_function = order == EdgeOrder::Stream ? GL_ALWAYS : GL_LESS;
-    const gl::VertexArray no_attributes(engine.device(), "map edges");
     for (std::size_t begin = 0; begin < edges.size(); begin += kEdgesPerDraw) {
         engine.check_cancelled();
         const std::size_t count = std::min(kEdgesPerDraw, edges.size() - begin);
         const gl::Buffer edge_buf(engine.device(), std::span<const MapEdge>(edges).subspan(begin, count), "map edges");
         edge_buf.bind_base(GL_SHADER_STORAGE_BUFFER, kEdgeListSlot);
-        apply(engine.gl(), state);
-        no_attributes.bind();
-        engine.gl().DrawArrays(GL_TRIANGLES, 0, GLsizei(6 * count));
+        engine.draw_vertices(state, GL_TRIANGLES, GLsizei(6 * count));
         engine.limit_queue();
     }
 }
