@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <cxxabi.h>
 #include <pybind11/pybind11.h>
 
 #include <memory>
@@ -28,12 +29,22 @@ struct PyScene {
     bool frozen = false;
 };
 
-/// Lets other Python threads run while it lives. Not pybind11's: at the interpreter's end Python ends a daemon thread
-/// that asks for the GIL by unwinding it, which must be let through the destructor.
+/// Waits until the process ends. At the interpreter's end Python ends a daemon thread that asks for the GIL by
+/// unwinding it (pthread_exit); our frames hold Python references that must not be dropped without the GIL, so the
+/// unwinding is caught and goes no further.
+[[noreturn]] void hang_until_exit();
+
+/// Lets other Python threads run while it lives.
 class GilRelease {
 public:
     GilRelease() : state_(PyEval_SaveThread()) {}
-    ~GilRelease() noexcept(false) { PyEval_RestoreThread(state_); }
+    ~GilRelease() {
+        try {
+            PyEval_RestoreThread(state_);
+        } catch (abi::__forced_unwind&) {
+            hang_until_exit();
+        }
+    }
     GilRelease(const GilRelease&) = delete;
     GilRelease& operator=(const GilRelease&) = delete;
 

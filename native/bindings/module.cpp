@@ -1,7 +1,18 @@
 // SPDX-FileCopyrightText: 2026 Shadow Layers contributors
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include <chrono>
+#include <thread>
+
 #include "bindings/bindings.h"
 #include "shadow_layers/session.h"
+
+namespace shadow_layers::bindings {
+
+void hang_until_exit() {
+    for (;;) std::this_thread::sleep_for(std::chrono::hours(1));
+}
+
+}  // namespace shadow_layers::bindings
 
 PYBIND11_MODULE(shadow_core, module) {
     using namespace shadow_layers;

@@ -2,8 +2,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "bindings/render_pump.h"
 
-#include <cxxabi.h>
-
 #include <chrono>
 #include <exception>
 #include <thread>
@@ -79,7 +77,7 @@ FrameResult RenderPump::run(const RenderRequest& request, const RenderListener& 
                 listener.on_progress(messages.progress->first, messages.progress->second);
             if (!listener_failure) listener.poll();
         } catch (abi::__forced_unwind&) {
-            throw;  // Python ends this thread
+            hang_until_exit();
         } catch (...) {
             listener_failure = std::current_exception();
         }

@@ -58,10 +58,11 @@ INSTANCE_SHADOW: int
 INSTANCE_HOLDOUT: int
 
 class Scene:
-    """Filled once, then given to any number of renders."""
+    """Filled once, then given to any number of renders; from then on it takes no more (InputError)."""
     def __init__(self) -> None: ...
     def add_mesh(self, name: str, positions: NDArray[np.float32], triangles: NDArray[np.uint32]) -> int:
-        """positions (n, 3) object space; triangles (m, 3). Returns the mesh's index. Both arrays are kept alive."""
+        """positions (n, 3) object space; triangles (m, 3). Returns the mesh's index. Both arrays are kept alive and
+        made read-only; TypeError for no array, InputError for another dtype, shape, byte order or layout."""
     def set_instances(
         self,
         mesh: NDArray[np.uint32],
@@ -126,7 +127,8 @@ class FrameResult:
     layers: list[Layer]  # empty if on_layer was given
 
 class Session:
-    """One GL context on a private thread. Renders are worked one at a time; the GIL is released meanwhile."""
+    """One GL context on a private thread. Renders are worked one at a time; the GIL is released meanwhile.
+    After close() everything but close() and cancel() raises Error. Open sessions are closed when the interpreter ends."""
     def __init__(
         self, *, backend: str = "auto", threads: int = 0, shader_dir: str, gpu_cache_bytes: int = 1 << 30, debug: bool = False
     ) -> None: ...
@@ -147,7 +149,8 @@ class Session:
         aux: Sequence[str] = (),
         on_layer: Callable[[Layer], None] | None = None,
         on_progress: Callable[[float, str], None] | None = None,
-    ) -> FrameResult: ...
+    ) -> FrameResult:
+        """Both callbacks run on this thread; what they raise, and Ctrl-C, ends the render and is raised from here."""
     def cancel(self) -> None:
         """From any thread; the running render raises Cancelled within 300 ms."""
     host_bytes: int
