@@ -130,35 +130,40 @@ def box(size: Point, centre: Point = (0, 0, 0)) -> Shape:
     return Shape(corners * np.asarray(size) + np.asarray(centre), np.array(faces))
 
 
+def cube_grid(cells: int) -> tuple[np.ndarray, np.ndarray]:
+    """The surface of a cube of cells^3: integer places (n, 3) from 0 to cells, and welded outward quads (m, 4)."""
+    steps = np.arange(cells + 1)
+    v, u = np.meshgrid(steps, steps, indexing="ij")
+    places, quads = [], []
+    for axis in range(3):
+        for high in (False, True):
+            place = np.empty(((cells + 1) ** 2, 3), dtype=np.int64)
+            place[:, axis] = cells if high else 0
+            place[:, (axis + 1) % 3], place[:, (axis + 2) % 3] = u.ravel(), v.ravel()
+            face = grid(cells + 1, cells + 1) + len(places) * (cells + 1) ** 2
+            places.append(place)
+            quads.append(face if high else face[:, ::-1])
+    unique, index = np.unique(np.concatenate(places), axis=0, return_inverse=True)
+    return unique, index.reshape(-1)[np.concatenate(quads)]
+
+
 def rounded_box(size: Point, radius: float, steps: int = 2) -> Shape:
     """A box with its edges rounded by `steps` cells a side, closed and welded: 12 * (2 * steps + 1)^2 triangles."""
     cells = 2 * steps + 1
-    # Parameter of a grid line, -1..1: `steps` lines bend round each edge, one flat cell lies between.
-    angle = np.linspace(-math.pi / 4, 0, steps + 1)
-    bent = np.tan(angle)  # -1..0 measured from the corner to where the flat part begins
-    half = np.asarray(size) / 2
-    corner = half - radius
-    lines = np.concatenate([bent, -bent[::-1]])
-    positions, keys, faces = [], {}, []
-    for axis in range(3):
-        for sign in (-1, 1):
-            u_axis, v_axis = (axis + 1) % 3, (axis + 2) % 3
-            index = np.empty((cells + 1, cells + 1), dtype=int)
-            for j, v in enumerate(lines):
-                for i, u in enumerate(lines):
-                    normal = np.zeros(3)
-                    normal[axis], normal[u_axis], normal[v_axis] = sign, u, v
-                    place = np.zeros(3)
-                    place[axis] = sign * corner[axis]
-                    place[u_axis] = -corner[u_axis] if i <= steps else corner[u_axis]
-                    place[v_axis] = -corner[v_axis] if j <= steps else corner[v_axis]
-                    place += radius * normal / np.linalg.norm(normal)
-                    index[j, i] = keys.setdefault(tuple(np.round(place, 9)), len(keys))
-                    if index[j, i] == len(positions):
-                        positions.append(place)
-            quads = np.stack([index[:-1, :-1], index[:-1, 1:], index[1:, 1:], index[1:, :-1]], axis=-1).reshape(-1, 4)
-            faces.append(quads if sign > 0 else quads[:, ::-1])
-    return Shape(np.array(positions), np.concatenate(faces))
+    places, quads = cube_grid(cells)
+    # Slope of the normal at a grid line, -1..1: `steps` lines bend round each edge, one flat cell lies between.
+    bent = np.tan(np.linspace(-math.pi / 4, 0, steps + 1))
+    slopes = np.concatenate([bent, -bent[::-1]])[places]
+    normals = slopes / np.linalg.norm(slopes, axis=1, keepdims=True)
+    corner = np.asarray(size) / 2 - radius
+    return Shape(np.where(places > steps, corner, -corner) + radius * normals, quads)
+
+
+def ball(cells: int = 6) -> Shape:
+    """A unit sphere of 6 * cells^2 quads, closed and welded, without poles."""
+    places, quads = cube_grid(cells)
+    slopes = np.tan((places / cells - 0.5) * (math.pi / 2))
+    return Shape(slopes / np.linalg.norm(slopes, axis=1, keepdims=True), quads)
 
 
 def tube(path: Sequence[Point], radius: float | Sequence[float], sides: int = 8, *, closed: bool = False) -> Shape:
