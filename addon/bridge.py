@@ -51,6 +51,8 @@ class _State:
         self.techniques: list[dict[str, Any]] | None = None
         self.session: Any = None
         self.session_settings: tuple[str, int] | None = None
+        self.render_lock = threading.Lock()  # held by the render that runs, so that a token cancels its own only
+        self.running: CancelToken | None = None
 
 
 _state = _State()
@@ -172,11 +174,19 @@ def session_info() -> dict[str, Any]:
     return {"version": module.__version__, "revision": module.__revision__, **info}
 
 
-def cancel() -> None:
-    """Ends the running render within 300 ms. Without one it does nothing."""
-    running = _state.session  # no lock: a thread may hold it while it makes a session
-    if running is not None:
-        running.cancel()
+class CancelToken:
+    """Cancels one render and no other, before it has begun or while it runs. May be called from any thread; call it
+    until the render has ended, for a call in the instant of its start may be missed."""
+
+    def __init__(self) -> None:
+        self.cancelled = False
+
+    def cancel(self) -> None:
+        """The render given this token raises RenderCancelled within 300 ms."""
+        self.cancelled = True
+        running = _state.session
+        if _state.running is self and running is not None:
+            running.cancel()
 
 
 def shutdown() -> None:
@@ -245,32 +255,40 @@ def render_snapshot(
     on_progress: Callable[[float, str], None] | None = None,
     backend: str = "auto",
     threads: int = 0,
+    token: CancelToken | None = None,
 ) -> Any:
     """Renders one frame on the process's session and returns the core's FrameResult (its pictures cover the region).
 
     Blocks with the GIL released; the callbacks run on the calling thread. With `on_layer` the layers go there, one by
-    one, and the result's own list stays empty. Raises RenderCancelled after cancel(), ShadowLayersError otherwise.
+    one, and the result's own list stays empty. Raises RenderCancelled after token.cancel(), else ShadowLayersError.
     """
     settings = snapshot.render
-    running = session(backend, threads)
-    scene, camera = build_scene(snapshot), build_camera(snapshot)
-    jobs = [(job.light, job.technique, dict(job.parameters)) for job in snapshot.jobs]
-    with _ErrorsTranslated():
-        return running.render(
-            scene,
-            camera,
-            jobs,
-            width=settings.width,
-            height=settings.height,
-            region=tuple(settings.region),
-            samples=settings.samples,
-            filter=settings.filter,
-            filter_width=settings.filter_width,
-            combined=combined,
-            aux=tuple(aux),
-            on_layer=on_layer,
-            on_progress=on_progress,
-        )
+    token = token or CancelToken()
+    with _state.render_lock, _ErrorsTranslated():
+        running = session(backend, threads)
+        scene, camera = build_scene(snapshot), build_camera(snapshot)
+        jobs = [(job.light, job.technique, dict(job.parameters)) for job in snapshot.jobs]
+        if token.cancelled:
+            raise RenderCancelled("the render was cancelled")
+        _state.running = token
+        try:
+            return running.render(
+                scene,
+                camera,
+                jobs,
+                width=settings.width,
+                height=settings.height,
+                region=tuple(settings.region),
+                samples=settings.samples,
+                filter=settings.filter,
+                filter_width=settings.filter_width,
+                combined=combined,
+                aux=tuple(aux),
+                on_layer=on_layer,
+                on_progress=on_progress,
+            )
+        finally:
+            _state.running = None
 
 
 class _ErrorsTranslated(contextlib.AbstractContextManager):

@@ -1,0 +1,90 @@
+# SPDX-FileCopyrightText: 2026 Shadow Layers contributors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Evaluated meshes as arrays, read by foreach_get; arrays that didn't change since the last export are kept."""
+
+from __future__ import annotations
+
+from collections import Counter
+from typing import Any
+
+import numpy as np
+
+from .snapshot import MeshData
+
+StoreKey = tuple[str, frozenset, int]
+
+
+class MeshStore:
+    """Arrays of the last export of a scene, so that a mesh that is read again with equal content keeps its arrays
+    (memory isn't doubled, and the core sees the same owner). Holds NumPy data only, nothing of Blender."""
+
+    def __init__(self) -> None:
+        self._last: dict[StoreKey, MeshData] = {}
+        self._current: dict[StoreKey, MeshData] = {}
+        self._ordinals: Counter[tuple[str, frozenset]] = Counter()
+
+    def begin(self) -> None:
+        """Starts an export; what the one before the last held is let go."""
+        if self._current:
+            self._last = self._current
+        self._current = {}
+        self._ordinals.clear()
+
+    def keep(self, mesh: MeshData, hidden_slots: frozenset) -> MeshData:
+        """The mesh, with the last export's arrays where they are equal."""
+        ordinal = self._ordinals[mesh.name, hidden_slots]
+        self._ordinals[mesh.name, hidden_slots] += 1
+        key = (mesh.name, hidden_slots, ordinal)
+        old = self._last.get(key)
+        if old is not None:
+            positions = old.positions if _same(old.positions, mesh.positions) else mesh.positions
+            triangles = old.triangles if _same(old.triangles, mesh.triangles) else mesh.triangles
+            mesh = MeshData(mesh.name, positions, triangles)
+        self._current[key] = mesh
+        return mesh
+
+
+def _same(a: np.ndarray, b: np.ndarray) -> bool:
+    # As bytes: a NaN equals itself here.
+    return a.shape == b.shape and np.array_equal(a.view(np.uint32), b.view(np.uint32))
+
+
+def read_mesh(mesh: Any, name: str, hidden_slots: frozenset = frozenset()) -> MeshData | None:
+    """Positions and triangles of a bpy mesh; faces whose material index is in `hidden_slots` are left out. None if no
+    triangle is left."""
+    if len(mesh.polygons) == 0:
+        return None
+    mesh.calc_loop_triangles()
+    triangles = _read_triangles(mesh)
+    if hidden_slots:
+        index = np.empty(len(mesh.loop_triangles), np.int32)
+        mesh.loop_triangles.foreach_get("material_index", index)
+        triangles = np.ascontiguousarray(triangles[~np.isin(index, list(hidden_slots))])
+    if len(triangles) == 0:
+        return None
+    return MeshData(name, _read_positions(mesh), triangles)
+
+
+def _read_positions(mesh: Any) -> np.ndarray:
+    positions = np.empty((len(mesh.vertices), 3), np.float32)
+    attribute = mesh.attributes.get("position")
+    if attribute is not None and len(attribute.data) == len(positions):  # 3.5+: a plain array, copied at once
+        attribute.data.foreach_get("vector", positions.ravel())
+    else:
+        mesh.vertices.foreach_get("co", positions.ravel())
+    return positions
+
+
+def _read_triangles(mesh: Any) -> np.ndarray:
+    triangles = np.empty((len(mesh.loop_triangles), 3), np.int32)
+    mesh.loop_triangles.foreach_get("vertices", triangles.ravel())
+    return triangles.view(np.uint32)
+
+
+def read_object(item: Any, name: str, hidden_slots: frozenset) -> MeshData | None:
+    """As read_mesh, for an evaluated object whose `data` isn't what is drawn (edit mode, subdivision on the GPU)."""
+    try:
+        mesh = item.to_mesh()
+        return None if mesh is None else read_mesh(mesh, name, hidden_slots)
+    finally:
+        item.to_mesh_clear()

@@ -1,0 +1,333 @@
+# SPDX-FileCopyrightText: 2026 Shadow Layers contributors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Evaluated depsgraph -> SceneSnapshot: plain NumPy, no Blender object inside. Visibility as Cycles has it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import bpy
+import numpy as np
+
+from . import mesh_export
+from .camera_export import export_camera
+from .jobs import SceneLight, jobs_for
+from .light_export import LightNamer, is_portal, light_template, placed
+from .light_linking import LinkSets
+from .materials import OPAQUE_FACTS, MaterialFacts, Opacity, examine, world_lights
+from .snapshot import (
+    INSTANCE_CAMERA,
+    INSTANCE_HOLDOUT,
+    INSTANCE_SHADOW,
+    CameraData,
+    LightData,
+    RenderSettings,
+    SceneSnapshot,
+)
+
+_SKIPPED_KINDS = {
+    "CURVES": "hair curves",
+    "POINTCLOUD": "point clouds",
+    "VOLUME": "volumes",
+    "GPENCIL": "grease pencil",
+    "GREASEPENCIL": "grease pencil",
+}
+_NAMES_IN_A_WARNING = 5
+
+
+@dataclass
+class _Kind:
+    """What all instances of one (object, data, instancer) have in common. Exactly one of mesh and light is set."""
+
+    name: str
+    mesh: int = -1
+    flags: int = 0
+    receiver_group: int = 0
+    blocker_group: int = 0
+    light: LightData | None = None
+    light_data: Any = None
+    instancer: str | None = None
+
+
+class SceneExporter:
+    """Exports one scene; kept over frames, it reuses the arrays of meshes that didn't change."""
+
+    def __init__(self) -> None:
+        self._store = mesh_export.MeshStore()
+
+    def export(self, depsgraph: Any, camera: CameraData, render: RenderSettings, space: Any = None) -> SceneSnapshot:
+        """The scene of a depsgraph, with the jobs that its settings ask for. Call it where Blender allows to read the
+        depsgraph (engine `update`, `view_update`). `space` is the 3D view, whose local view and filters count."""
+        self._store.begin()
+        walk = _Walk(depsgraph, self._store, space)
+        snapshot = SceneSnapshot(camera=camera, render=render)
+        walk.fill(snapshot)
+        scene, view_layer = depsgraph.scene_eval, depsgraph.view_layer_eval
+        snapshot.jobs = jobs_for(scene, view_layer, walk.lights, walk.warnings)
+        walk.end_warnings()
+        snapshot.warnings = walk.warnings
+        snapshot.source = {
+            "blender": bpy.app.version_string,
+            "file": bpy.path.basename(bpy.data.filepath),
+            "scene": scene.name,
+            "view_layer": view_layer.name,
+            "frame": scene.frame_current,
+        }
+        return snapshot
+
+
+class _Walk:
+    """One pass over the depsgraph's instances."""
+
+    def __init__(self, depsgraph: Any, store: mesh_export.MeshStore, space: Any) -> None:
+        self.depsgraph = depsgraph
+        self.view_layer = depsgraph.view_layer_eval
+        self.in_viewport = depsgraph.mode == "VIEWPORT"
+        self._space = space
+        self.lights: list[SceneLight] = []
+        self.warnings: list[str] = []
+        self._store = store
+        self._kinds: list[_Kind] = []
+        self._meshes: list[mesh_export.MeshData] = []
+        self._mesh_index: dict[tuple[int, frozenset], int] = {}
+        self._materials: dict[int, MaterialFacts] = {}
+        self._named: dict[str, list[str]] = {}
+        light_objects = [item for item in bpy.data.objects if item.type == "LIGHT"]
+        self._receivers = LinkSets("receiver", light_objects)
+        self._blockers = LinkSets("blocker", light_objects)
+
+    def fill(self, snapshot: SceneSnapshot) -> None:
+        """Meshes, instances and lights into the snapshot."""
+        kind_of = self._collect()
+        count = len(kind_of)
+        matrices = np.empty((count, 16), np.float32)
+        self.depsgraph.object_instances.foreach_get("matrix_world", matrices.ravel())
+        # Blender's matrices are column-major in memory.
+        matrices = matrices.reshape(count, 4, 4).transpose(0, 2, 1)
+        mesh_of_kind = np.array([kind.mesh for kind in self._kinds] + [-1], np.int64)
+        is_mesh = mesh_of_kind[kind_of] >= 0
+        kinds = kind_of[is_mesh]
+        snapshot.meshes = self._meshes
+        snapshot.instance_mesh = mesh_of_kind[kinds].astype(np.uint32)
+        snapshot.instance_matrix = np.ascontiguousarray(matrices[is_mesh], np.float64)
+        snapshot.instance_flags = self._per_instance("flags", kinds, np.uint32)
+        snapshot.instance_receiver_group = self._per_instance("receiver_group", kinds, np.uint8)
+        snapshot.instance_blocker_group = self._per_instance("blocker_group", kinds, np.uint8)
+        names = [kind.name for kind in self._kinds]
+        snapshot.instance_names = [names[k] for k in kinds.tolist()]
+        self._place_lights(snapshot, kind_of, matrices)
+
+    def _per_instance(self, name: str, kinds: np.ndarray, dtype: type) -> np.ndarray:
+        return np.array([getattr(kind, name) for kind in self._kinds] + [0], dtype)[kinds]
+
+    def _collect(self) -> np.ndarray:
+        """The kind of each instance (-1: nothing to draw), in the depsgraph's order. The loop runs once per instance,
+        so it does no more than tell kinds apart; no reference to an instance outlives its turn."""
+        kinds: dict[tuple[int, int, int], int] = {}
+        found = []
+        for instance in self.depsgraph.object_instances:
+            item = instance.object
+            data = item.data
+            if data is None:
+                found.append(-1)
+                continue
+            if instance.is_instance:
+                key = (instance.instance_object.as_pointer(), data.as_pointer(), instance.parent.as_pointer())
+            else:
+                key = (item.as_pointer(), 0, 0)
+            kind = kinds.get(key)
+            if kind is None:
+                kind = kinds[key] = self._new_kind(instance, item)
+            found.append(kind if instance.show_self else -1)
+        return np.array(found, np.int64)
+
+    def _new_kind(self, instance: Any, item: Any) -> int:
+        parent = instance.parent if instance.is_instance else None
+        seen = self._space is None or item.visible_in_viewport_get(self._space)
+        kind = self._examine(instance, item, parent) if seen else None
+        if kind is None:
+            return -1
+        self._kinds.append(kind)
+        return len(self._kinds) - 1
+
+    def _examine(self, instance: Any, item: Any, parent: Any) -> _Kind | None:
+        real = (instance.instance_object if parent is not None else item).original
+        if item.type == "LIGHT":
+            return self._examine_light(item, real, parent)
+        return self._examine_surface(item, real, parent, instance.show_particles)
+
+    def _examine_surface(self, item: Any, real: Any, parent: Any, show_particles: bool) -> _Kind | None:
+        if item.type in _SKIPPED_KINDS:
+            self._name(f"{_SKIPPED_KINDS[item.type]} are not supported and left out", item.name)
+            return None
+        if show_particles:
+            self._warn_of_hair(item)
+        if not isinstance(item.data, bpy.types.Mesh):
+            return None  # curves, text, surfaces and metaballs come again as instances with a mesh
+        flags = self._flags(item, parent)
+        mesh = self._mesh(item, parent) if flags else -1
+        if mesh < 0:
+            return None
+        original_parent = parent.original if parent is not None else None
+        return _Kind(
+            item.name,
+            mesh=mesh,
+            flags=flags,
+            receiver_group=self._receivers.group(original_parent, real),
+            blocker_group=self._blockers.group(original_parent, real),
+        )
+
+    def _examine_light(self, item: Any, real: Any, parent: Any) -> _Kind | None:
+        if is_portal(item.data):
+            return None
+        template = light_template(item.data, item.name)
+        template.receiver_set = self._receivers.mask_of(real)
+        template.blocker_set = self._blockers.mask_of(real)
+        instancer = parent.name if parent is not None else None
+        return _Kind(item.name, light=template, light_data=item.data, instancer=instancer)
+
+    def _place_lights(self, snapshot: SceneSnapshot, kind_of: np.ndarray, matrices: np.ndarray) -> None:
+        namer = LightNamer()
+        light_kinds = [number for number, kind in enumerate(self._kinds) if kind.light is not None]
+        for index in np.flatnonzero(np.isin(kind_of, light_kinds)):
+            kind = self._kinds[kind_of[index]]
+            name = namer.name(kind.name, kind.instancer)
+            snapshot.lights.append(placed(kind.light, name, matrices[index].astype(np.float64)))
+            self.lights.append(SceneLight(name, kind.light_data))
+
+    def _flags(self, item: Any, parent: Any) -> int:
+        """Visibility as Cycles combines it: the object's and its instancer's; holdout and indirect-only of the
+        instancer."""
+        head = parent if parent is not None else item
+        camera = item.visible_camera and (parent is None or parent.visible_camera)
+        shadow = item.visible_shadow and (parent is None or parent.visible_shadow)
+        holdout = head.holdout_get(view_layer=self.view_layer)
+        if not holdout and head.indirect_only_get(view_layer=self.view_layer):
+            camera = False
+        flags = INSTANCE_CAMERA if camera else 0
+        flags |= INSTANCE_HOLDOUT if camera and holdout else 0
+        return flags | (INSTANCE_SHADOW if shadow else 0)
+
+    def _mesh(self, item: Any, parent: Any) -> int:
+        """Index of the object's mesh without its fully transparent faces; -1 if nothing is left."""
+        hidden = self._hidden_slots(item)
+        if hidden is None:
+            return -1
+        mesh = item.data
+        key = (mesh.as_pointer(), hidden)
+        if key not in self._mesh_index:
+            if self.in_viewport and parent is None and _data_is_not_final(item):
+                data = mesh_export.read_object(item, mesh.name_full, hidden)
+            else:
+                data = mesh_export.read_mesh(mesh, mesh.name_full, hidden)
+            self._mesh_index[key] = -1 if data is None else len(self._meshes)
+            if data is not None:
+                self._meshes.append(self._store.keep(data, hidden))
+        return self._mesh_index[key]
+
+    def _hidden_slots(self, item: Any) -> frozenset | None:
+        """Indices of the slots with fully transparent materials; None if that is the whole object."""
+        override = self.view_layer.material_override
+        if override is not None:
+            return None if self._facts(override, item).opacity is Opacity.TRANSPARENT else frozenset()
+        slots = [slot.material for slot in item.material_slots]
+        if not slots:
+            slots = list(item.data.materials) or [None]
+        hidden = [i for i, m in enumerate(slots) if self._facts(m, item).opacity is Opacity.TRANSPARENT]
+        if len(hidden) == len(slots):
+            return None
+        # Material indices beyond the last slot take the last slot.
+        if hidden and hidden[-1] == len(slots) - 1:
+            hidden += range(len(slots), _highest_material_index(item.data) + 1)
+        return frozenset(hidden)
+
+    def _facts(self, material: Any, item: Any) -> MaterialFacts:
+        if material is None:
+            return OPAQUE_FACTS
+        pointer = material.as_pointer()
+        if pointer not in self._materials:
+            facts = self._materials[pointer] = examine(material)
+            if facts.opacity is Opacity.PARTIAL:
+                self._name("materials with partial or textured transparency are taken as opaque", material.name)
+        facts = self._materials[pointer]
+        if facts.emits:
+            self._name("light of emissive meshes has no layer", item.name)
+        return facts
+
+    def _warn_of_hair(self, item: Any) -> None:
+        for system in item.particle_systems:
+            settings = system.settings
+            if settings.type == "HAIR" and settings.render_type == "PATH":
+                self._name("particle hair is not supported and left out", f"{item.name}: {system.name}")
+
+    def _name(self, warning: str, name: str) -> None:
+        names = self._named.setdefault(warning, [])
+        if name not in names:
+            names.append(name)
+
+    def end_warnings(self) -> None:
+        """Ends the list of warnings: what was skipped or approximated, each named once."""
+        for warning, names in self._named.items():
+            listed = ", ".join(f'"{name}"' for name in names[:_NAMES_IN_A_WARNING])
+            more = len(names) - _NAMES_IN_A_WARNING
+            self.warnings.append(f"{warning}: {listed}" + (f" and {more} more" if more > 0 else ""))
+        scene = self.depsgraph.scene_eval
+        if world_lights(scene.world):
+            self.warnings.append(f'light of the world "{scene.world.name}" has no layer')
+        if self._receivers.overflow or self._blockers.overflow:
+            self.warnings.append("light linking makes more than 63 groups; objects beyond them count as not linked")
+        camera_data = getattr(scene.camera, "data", None)
+        if getattr(getattr(camera_data, "dof", None), "use_dof", False) and not self.in_viewport:
+            self.warnings.append(f'depth of field of camera "{scene.camera.name}" is not represented')
+        if scene.render.use_motion_blur and not self.in_viewport:
+            self.warnings.append("motion blur is not represented")
+
+
+def _data_is_not_final(item: Any) -> bool:
+    return item.mode != "OBJECT" or any(modifier.type == "SUBSURF" for modifier in item.modifiers)
+
+
+def _highest_material_index(mesh: Any) -> int:
+    index = np.zeros(len(mesh.polygons), np.int32)
+    mesh.polygons.foreach_get("material_index", index)
+    return int(index.max(initial=0))
+
+
+def render_settings(scene: Any, width: int, height: int, region: tuple[int, int, int, int]) -> RenderSettings:
+    """Samples of the scene, with the pixel filter of Cycles where there is one, else Blender's own."""
+    cycles = getattr(scene, "cycles", None)
+    return RenderSettings(
+        width,
+        height,
+        region,
+        samples=scene.shadow_layers.samples,
+        filter=getattr(cycles, "pixel_filter_type", "BLACKMAN_HARRIS"),
+        filter_width=float(getattr(cycles, "filter_width", scene.render.filter_size)),
+    )
+
+
+def render_size(render: Any) -> tuple[int, int]:
+    """The full picture in pixels, percentage applied as Blender does."""
+    percentage = render.resolution_percentage
+    return max(render.resolution_x * percentage // 100, 1), max(render.resolution_y * percentage // 100, 1)
+
+
+def border_region(render: Any, width: int, height: int) -> tuple[int, int, int, int]:
+    """(x, y, width, height) that a render covers: the border in whole pixels if there is one."""
+    if not render.use_border:
+        return 0, 0, width, height
+    # Blender multiplies float by int and cuts; do it in float32 as well, so that the pixels agree.
+    x0, x1 = (int(np.float32(v) * np.float32(width)) for v in (render.border_min_x, render.border_max_x))
+    y0, y1 = (int(np.float32(v) * np.float32(height)) for v in (render.border_min_y, render.border_max_y))
+    return x0, y0, max(x1 - x0, 1), max(y1 - y0, 1)
+
+
+def export_for_render(exporter: SceneExporter, depsgraph: Any, camera: Any) -> SceneSnapshot:
+    """The snapshot of a render (F12): the scene's size, border, samples and the given camera object."""
+    scene = depsgraph.scene_eval
+    width, height = render_size(scene.render)
+    region = border_region(scene.render, width, height)
+    aspect = (scene.render.pixel_aspect_x, scene.render.pixel_aspect_y)
+    camera_data = export_camera(camera, depsgraph, width, height, aspect)
+    return exporter.export(depsgraph, camera_data, render_settings(scene, width, height, region))
