@@ -76,11 +76,11 @@ set_up() {
         ;;
     bpy45)
         install_packages python3.11-venv "${bpy_packages[@]}"
-        make_env bpy45 " (Blender 4.5 as a module, about 400 MB to fetch)"
+        make_env bpy45 " (Blender 4.5 as a module, a large download)"
         ;;
     bpy50)
         install_packages python3.11-venv "${bpy_packages[@]}"
-        make_env bpy50 " (Blender 5.0 as a module, about 400 MB to fetch)"
+        make_env bpy50 " (Blender 5.0 as a module, a large download)"
         ;;
     blender) install_packages "${blender_packages[@]}" ;;
     test)

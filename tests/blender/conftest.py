@@ -13,7 +13,8 @@ import bpy
 import pytest
 
 root = Path(__file__).resolve().parent.parent.parent
-module_dir = Path(os.environ.get("SHADOW_LAYERS_MODULE_DIR", root / "build" / "release" / "python"))
+module_dir = Path(os.environ.get("SHADOW_LAYERS_BUILD", root / "build" / "release")).resolve() / "python"
+os.environ["SHADOW_LAYERS_NATIVE"] = str(module_dir)  # where the add-on looks first; processes started here inherit it
 for folder in (root, module_dir):
     if str(folder) not in sys.path:
         sys.path.insert(0, str(folder))
@@ -23,7 +24,7 @@ is_wheel = not bpy.app.binary_path  # Blender as a Python module has no executab
 
 def pytest_sessionstart(session: pytest.Session) -> None:
     if not list(module_dir.glob("shadow_core*.so")):
-        pytest.exit(f"no native module in {module_dir}: run `make build` first, or set SHADOW_LAYERS_MODULE_DIR", 3)
+        pytest.exit(f"no native module in {module_dir}: run `make build` first, or set SHADOW_LAYERS_BUILD", 3)
 
 
 def pytest_report_header(config: pytest.Config) -> str:
@@ -124,7 +125,7 @@ def run_blender(
 ) -> subprocess.CompletedProcess:
     """Runs `script` as blender_command says; output captured as text. check: a failure raises with the output in it."""
     command = blender_command(script, arguments, blend)
-    environment = dict(os.environ, SHADOW_LAYERS_MODULE_DIR=str(module_dir), **(env or {}))
+    environment = {**os.environ, **(env or {})}
     done = subprocess.run(command, capture_output=True, text=True, timeout=timeout_s, env=environment, check=False)
     if check and done.returncode != 0:
         tail = "\n".join((done.stdout + done.stderr).splitlines()[-40:])
