@@ -89,6 +89,15 @@ void Engine::draw_vertices(const DrawState& state, GLenum mode, GLsizei vertex_c
     gl().DrawArrays(mode, 0, vertex_count);
 }
 
+void Engine::drop_errors() {
+    stage_error_.clear();
+    try {
+        device_->check("the render before");
+    } catch (const DriverError&) {
+        // Told already, or part of what was cancelled.
+    }
+}
+
 gl::Buffer& Engine::instance_stream(std::size_t bytes) {
     if (!instance_stream_ || instance_stream_.byte_size() < bytes) {
         const std::size_t grown = std::max<std::size_t>({bytes, instance_stream_.byte_size() * 2, 1 << 16});

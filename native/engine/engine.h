@@ -98,6 +98,8 @@ public:
     void set_record(StageRecord* record) { record_ = record; }
     StageRecord* record() { return record_; }
     std::vector<std::string> take_warnings();
+    /// Forgets errors that a render left behind which was given up.
+    void drop_errors();
     /// Vertex stream for draw_scene, grown as needed; its old content is dropped.
     gl::Buffer& instance_stream(std::size_t bytes);
     /// DriverError if GL reported an error, now or at the end of an earlier stage.

@@ -23,12 +23,15 @@ std::string to_text(const ParameterValue& value) {
 std::string describe_range(const ParameterSpec& spec) {
     std::ostringstream text;
     switch (spec.type) {
-        case ParameterType::Bool: return "true or false";
+        case ParameterType::Bool:
+            return "true or false";
         case ParameterType::Int:
             text << "a whole number from " << spec.min << " to " << spec.max;
             if (spec.step > 1) text << " in steps of " << spec.step;
             break;
-        case ParameterType::Float: text << "a number from " << spec.min << " to " << spec.max; break;
+        case ParameterType::Float:
+            text << "a number from " << spec.min << " to " << spec.max;
+            break;
         case ParameterType::Enum:
             text << "one of";
             for (const EnumItem& item : spec.items) text << " \"" << item.id << '"';
@@ -72,7 +75,8 @@ bool convert(const ParameterSpec& spec, const ParameterValue& given, ParameterVa
 template <class T>
 const T& get(const std::map<std::string, ParameterValue, std::less<>>& values, std::string_view id) {
     const auto found = values.find(id);
-    if (found == values.end()) throw Error("parameter \"" + std::string(id) + "\" is not in the technique's descriptor");
+    if (found == values.end())
+        throw Error("parameter \"" + std::string(id) + "\" is not in the technique's descriptor");
     const T* value = std::get_if<T>(&found->second);
     if (!value) throw Error("parameter \"" + std::string(id) + "\" is read as another type than its descriptor's");
     return *value;
@@ -94,13 +98,13 @@ ParameterValues resolve_parameters(std::string_view technique, const std::vector
         if (spec == specs.end()) {
             std::string known;
             for (const ParameterSpec& s : specs) known += (known.empty() ? "" : ", ") + s.id;
-            throw InputError("technique \"" + std::string(technique) + "\" has no parameter \"" + id + "\"; it has: " +
-                             (known.empty() ? "none" : known));
+            throw InputError("technique \"" + std::string(technique) + "\" has no parameter \"" + id +
+                             "\"; it has: " + (known.empty() ? "none" : known));
         }
         ParameterValue converted;
         if (!convert(*spec, value, converted))
-            throw InputError("technique \"" + std::string(technique) + "\", parameter \"" + id + "\": " +
-                             to_text(value) + " is not allowed; give " + describe_range(*spec));
+            throw InputError("technique \"" + std::string(technique) + "\", parameter \"" + id +
+                             "\": " + to_text(value) + " is not allowed; give " + describe_range(*spec));
         resolved.set(id, std::move(converted));
     }
     return resolved;

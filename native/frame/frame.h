@@ -31,9 +31,9 @@ struct PixelIds {
 /// raster. Pixel arrays are row-major, row 0 at the bottom, of size width x height, which include the overscan.
 struct Frame {
     int width = 0, height = 0;
-    int overscan_px = 0;           ///< on each side; the region proper starts at (overscan_px, overscan_px)
-    PixelRect region;              ///< in the full picture, without overscan
-    Camera camera;                 ///< window of exactly this frame: region + overscan, jittered
+    int overscan_px = 0;  ///< on each side; the region proper starts at (overscan_px, overscan_px)
+    PixelRect region;     ///< in the full picture, without overscan
+    Camera camera;        ///< window of exactly this frame: region + overscan, jittered
     glm::dvec3 origin_ws{0.0};
     std::shared_ptr<const Scene> scene;
 

@@ -1,0 +1,39 @@
+// SPDX-FileCopyrightText: 2026 Shadow Layers contributors
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <functional>
+#include <map>
+#include <memory>
+#include <string>
+
+#include "engine/engine.h"
+#include "frame/frame_maker.h"
+#include "techniques/technique.h"
+
+namespace shadow_layers {
+
+/// Techniques by name, made when first asked for and kept for the session's life.
+class TechniqueSet {
+public:
+    explicit TechniqueSet(std::vector<TechniqueEntry> entries);
+    const std::vector<TechniqueDescriptor>& descriptors() const { return descriptors_; }
+    Technique& get(const std::string& id);
+
+private:
+    std::vector<TechniqueEntry> entries_;
+    std::vector<TechniqueDescriptor> descriptors_;
+    std::map<std::string, std::unique_ptr<Technique>> made_;
+};
+
+/// What a render hands out while it runs; called on the worker thread.
+struct RenderOutlet {
+    std::function<void(Layer&&)> deliver;
+    std::function<void(double fraction, const std::string& text)> progress;
+};
+
+/// Works one request on the worker thread; see Session::render.
+FrameResult run_render(Engine& engine, const std::shared_ptr<FramePool>& pool, TechniqueSet& techniques,
+                       const RenderRequest& request, const RenderOutlet& outlet);
+
+}  // namespace shadow_layers
