@@ -282,14 +282,13 @@ def compute_light_truth(
 
 
 def get_shadow_switch(light: bpy.types.Light) -> bool:
-    """Whether Cycles lets the light cast shadows: its own switch before 4.2, the light's from then on."""
+    """Whether the light casts shadows. Before 4.2 Cycles had a switch of its own; the layers ask for both."""
     own = getattr(light, "cycles", None)
-    if own is not None and hasattr(own, "cast_shadow"):
-        return bool(own.cast_shadow)
-    return bool(light.use_shadow)
+    return bool(light.use_shadow) and bool(getattr(own, "cast_shadow", True))
 
 
 def set_shadow_switch(light: bpy.types.Light, casts_shadow: bool) -> None:
+    """Sets all switches that this version has."""
     own = getattr(light, "cycles", None)
     if own is not None and hasattr(own, "cast_shadow"):
         own.cast_shadow = casts_shadow

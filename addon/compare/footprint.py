@@ -130,7 +130,9 @@ def compute_texel_footprint_px(
     """
     origin_ws = np.asarray(origin_ws, dtype=np.float64)
     camera_matrix = np.asarray(camera.world_from_camera, dtype=np.float64)
-    light_matrix = np.asarray(light.world_from_light, dtype=np.float64)
+    light_matrix = np.array(light.world_from_light, dtype=np.float64)
+    if light.kind == "POINT":  # its cube lies along the world's axes, however the light is turned
+        light_matrix[:3, :3] = np.eye(3)
     pixel = compute_pixel_gradients(compute_view_positions(points_rel, origin_ws, camera_matrix), camera, width, height)
     texel = compute_texel_gradients(
         compute_view_positions(points_rel, origin_ws, light_matrix), light, map_size, sun_extent

@@ -1,0 +1,251 @@
+# SPDX-FileCopyrightText: 2026 Shadow Layers contributors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The batch's verb compare: layers against the truth from Cycles. Numbers, pictures and one page."""
+
+from __future__ import annotations
+
+import argparse
+import statistics
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import bpy
+import numpy as np
+
+from .batch_done import DoneBefore
+from .batch_files import BatchError, FileNamer, Progress, make_output_folder, write_bytes, write_json
+from .batch_render import describe_frame, describe_layer, get_wanted, make_document, render_frame
+from .batch_scene import get_frames, set_up
+from .capture import CapturedFrame, CapturedLayer
+from .compare import flip
+from .compare.footprint import compute_sun_extent, compute_texel_footprint_px
+from .compare.measures import MEASURES, LayerMeasures, measure_layer
+from .compare.pictures import make_difference_png, make_layer_png, make_truth_png
+from .compare.pixels import PixelClasses, Surface, classify_pixels
+from .compare.report import LightEntry, TechniqueEntry, build_page
+from .compare.table import format_table
+from .snapshot import LightData
+from .truth import LightTruth
+from .truth_store import TruthStore
+
+COMPARE_SCHEMA, COMPARE_SCHEMA_VERSION = "shadow-layers-comparison", 1
+AUX = ("position", "normal")
+
+
+@dataclass
+class _LightResult:
+    """A light in one frame, compared pixel for pixel but for its layers."""
+
+    light: LightData
+    truth: LightTruth
+    truth_cached: bool
+    classes: PixelClasses
+    sun_extent: float
+
+
+def run_compare(options: argparse.Namespace, progress: Progress) -> None:
+    scene, view_layers = set_up(options)
+    if len(view_layers) > 1:
+        names = ", ".join(f'"{layer.name}"' for layer in view_layers)
+        raise BatchError(f"several view layers are enabled ({names}): choose the one to compare with --view-layer")
+    if options.samples not in (None, 1):
+        progress.say("compare takes one sample, at the pixel's centre; --samples is left aside")
+    scene.shadow_layers.samples = 1
+    scene.render.use_border = False
+    folder = make_output_folder(options.out)
+    json_path = options.json or folder / "comparison.json"
+    make_output_folder(json_path.parent)
+    page_path = folder / "index.html"
+    frames = get_frames(scene, options)
+    if options.skip_existing and page_path.is_file():
+        done_before = DoneBefore(json_path, folder, COMPARE_SCHEMA, COMPARE_SCHEMA_VERSION)
+        wanted = get_wanted(scene, view_layers)
+        if all(done_before.find(frame, wanted, "records") for frame in frames):
+            progress.say(f"the comparison is there already: {page_path}")
+            return
+    comparison = _Comparison(options, progress, scene, view_layers[0])
+    for index, frame in enumerate(frames):
+        comparison.add_frame(frame, f"[{index + 1}/{len(frames)}] frame {frame}")
+    document = comparison.make_document()
+    write_json(json_path, document)
+    write_bytes(page_path, comparison.make_page(document).encode())
+    progress.say(format_table(document["records"]))
+    progress.say(f"{len(document['records'])} layers are compared in {page_path} and {json_path}")
+
+
+class _Comparison:
+    """Goes through the frames and keeps what the documents need: records and pictures, no float layers."""
+
+    def __init__(
+        self, options: argparse.Namespace, progress: Progress, scene: bpy.types.Scene, view_layer: bpy.types.ViewLayer
+    ) -> None:
+        self._options, self._progress = options, progress
+        self._scene, self._view_layer = scene, view_layer
+        self._namer = FileNamer()
+        self._records: list[dict[str, Any]] = []
+        self._frames: list[dict[str, Any]] = []
+        self._lights: list[LightEntry] = []
+        self._notes: list[str] = []
+
+    def add_frame(self, frame: int, label: str) -> None:
+        """Renders and measures a frame. Raises BatchError, TruthError."""
+        captured, frame_record = self._render_layers(frame, label)
+        by_light: dict[int, list[CapturedLayer]] = {}
+        for layer in captured.layers:
+            by_light.setdefault(layer.job.light, []).append(layer)
+        if not by_light:
+            raise BatchError(f"frame {frame}: there is no layer to compare: choose techniques with --techniques")
+        snapshot = captured.snapshot
+        size = snapshot.render.width, snapshot.render.height
+        ours = Surface(captured.aux["position"], captured.coverage > 0.5)
+        store = TruthStore(
+            self._scene, self._view_layer, snapshot,
+            folder=self._options.cache, enabled=not self._options.no_cache, threads=self._options.threads or 0,
+        )  # fmt: skip
+        with store:
+            with self._progress.step(f"{label}: Cycles, what the camera sees"):
+                surface, surface_cached = store.get_surface()
+            frame_record["truth_surface_ms"] = round(surface.time_ms, 4)
+            frame_record["truth_surface_cached"] = surface_cached
+            origin = np.asarray(captured.camera_position, dtype=np.float64)
+            theirs = Surface(surface.positions_ws.astype(np.float64) - origin, surface.covered)
+            for index, layers in by_light.items():
+                light = snapshot.lights[index]
+                with self._progress.step(f'{label}: Cycles, the shadow of "{light.name}"'):
+                    truth, cached = store.get_light(light)
+                with self._progress.step(f'{label}: measuring "{light.name}"'):
+                    classes = classify_pixels(
+                        ours, theirs, captured.aux["normal"], truth.lit,
+                        camera=snapshot.camera, width=size[0], height=size[1], light=light,
+                    )  # fmt: skip
+                    seen = captured.aux["position"][ours.covered]
+                    extent = compute_sun_extent(seen, origin, light) if light.kind == "SUN" else 0.0
+                    result = _LightResult(light, truth, cached, classes, extent)
+                    self._add_light(captured, result, layers)
+        self._frames.append(frame_record)
+        self._note(*captured.warnings, *store.notes)
+
+    def _render_layers(self, frame: int, label: str) -> tuple[CapturedFrame, dict[str, Any]]:
+        """The layers of a frame; with --repeat their times are medians without the first run."""
+        runs = []
+        for run in range(self._options.repeat):
+            again = f" ({run + 1} of {self._options.repeat})" if self._options.repeat > 1 else ""
+            with self._progress.step(f"{label}: rendering the layers{again}"):
+                frames, render_ms = render_frame(self._scene, frame, aux=AUX)
+            runs.append((frames[0], render_ms))
+        captured = runs[0][0]
+        timed = runs[1:] or runs
+        for index, layer in enumerate(captured.layers):
+            same = [item.layers[index] for item, _ in timed]
+            layer.total_ms = statistics.median(other.total_ms for other in same)
+            layer.times = sorted((other for other in same), key=lambda other: other.total_ms)[len(same) // 2].times
+        record = describe_frame(captured, statistics.median(render_ms for _, render_ms in timed))
+        record["first_render_ms"] = round(runs[0][1], 4)
+        record["runs"] = len(runs)
+        return captured, record
+
+    def _add_light(self, captured: CapturedFrame, result: _LightResult, layers: Sequence[CapturedLayer]) -> None:
+        suffix = f"{captured.frame:04d}" if self._options.frames is not None else ""
+        name = result.light.name
+        truth_png = make_truth_png(result.truth.visible, result.classes)
+        truth_path = self._write_picture(truth_png, name, "truth", suffix)
+        entry = LightEntry(name, result.light.kind, captured.frame, truth_png)
+        for layer in layers:
+            measures = self._measure(captured, result, layer)
+            layer_png = make_layer_png(layer.channels["visibility"])
+            difference_png = make_difference_png(result.truth.visible, result.classes, measures.faults)
+            record = {
+                **describe_layer(layer, result.light.kind, captured.frame, captured.view_layer),
+                "measures": measures.values,
+                "flip": flip.compute_mean_flip(
+                    layer.channels["visibility"], result.truth.visible, result.classes.comparable
+                ),
+                "pixel_count": measures.pixel_count,
+                "excluded": result.classes.count_excluded(),
+                "truth_undecided": result.truth.undecided_count,
+                "truth_ms": {stage: round(value, 4) for stage, value in sum_up(result.truth.times_ms).items()},
+                "truth_cached": result.truth_cached,
+                "layer_picture": self._write_picture(layer_png, name, layer.technique, suffix),
+                "truth_picture": truth_path,
+                "difference_picture": self._write_picture(difference_png, name, layer.technique, "difference", suffix),
+            }
+            self._records.append(record)
+            entry.techniques.append(TechniqueEntry(record, layer_png, difference_png))
+        self._lights.append(entry)
+        if result.truth.undecided_count:
+            self._note(
+                f"{name}: {result.truth.undecided_count} pixels of the truth are neither lit nor in shadow "
+                "(transparent or unsupported geometry); each counts as what it is nearer to."
+            )
+
+    def _measure(self, captured: CapturedFrame, result: _LightResult, layer: CapturedLayer) -> LayerMeasures:
+        snapshot = captured.snapshot
+        map_size = layer.parameters.get("map_size")
+
+        def compute_footprint(rows: np.ndarray, columns: np.ndarray) -> np.ndarray:
+            return compute_texel_footprint_px(
+                captured.aux["position"][rows, columns],
+                captured.aux["normal"][rows, columns],
+                np.asarray(captured.camera_position, dtype=np.float64),
+                camera=snapshot.camera,
+                width=snapshot.render.width,
+                height=snapshot.render.height,
+                light=result.light,
+                map_size=int(map_size),
+                sun_extent=result.sun_extent,
+            )
+
+        return measure_layer(
+            layer.channels["visibility"],
+            result.truth.visible,
+            result.classes.comparable,
+            facing_away=result.classes.facing_away,
+            footprint_px=compute_footprint if map_size else None,
+        )
+
+    def _write_picture(self, png: bytes, *parts: str) -> str:
+        path = self._options.out / (self._namer.make_name(*parts) + ".png")
+        write_bytes(path, png)
+        return path.name
+
+    def _note(self, *notes: str) -> None:
+        self._notes += [note for note in dict.fromkeys(notes) if note and note not in self._notes]
+
+    def make_document(self) -> dict[str, Any]:
+        """comparison.json."""
+        if not flip.is_flip_available():
+            self._note(flip.MISSING_NOTE)
+        return {
+            **make_document(COMPARE_SCHEMA, COMPARE_SCHEMA_VERSION, self._scene),
+            "view_layer": self._view_layer.name,
+            "measures": {info.id: {"unit": info.unit, "meaning": info.help} for info in MEASURES},
+            "frames": self._frames,
+            "records": self._records,
+            "notes": self._notes,
+        }
+
+    def make_page(self, document: dict[str, Any]) -> str:
+        width, height = self._frames[0]["resolution"]
+        frames = [record["frame"] for record in self._frames]
+        return build_page(
+            f"Shadow layers of {document['file'] or document['scene']}",
+            {
+                "Scene": document["scene"],
+                "Camera": document["camera"],
+                "Frames": f"{frames[0]}" if len(frames) == 1 else f"{frames[0]} to {frames[-1]}",
+                "Pixels": f"{width} x {height}",
+                "Triangles": f"{self._frames[0]['triangles']:,}",
+                "F12": f"{self._frames[-1]['render_ms']:.0f} ms for {len(self._lights[-1].techniques)} or more layers",
+                "Blender": document["blender"],
+                "GL": document["gl_renderer"],
+                "Revision": document["revision"],
+            },
+            self._lights,
+            self._notes,
+        )
+
+
+def sum_up(times_ms: dict[str, float]) -> dict[str, float]:
+    """With "total": what Cycles needs for one light's mask."""
+    return {**times_ms, "total": sum(times_ms.values())}

@@ -1,0 +1,144 @@
+# SPDX-FileCopyrightText: 2026 Shadow Layers contributors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Truth from the cache where it is, from Cycles where it isn't. The scene is touched only if Cycles must render."""
+
+from __future__ import annotations
+
+import contextlib
+from pathlib import Path
+from typing import Any
+
+import bpy
+import numpy as np
+
+from .snapshot import LightData, SceneSnapshot
+from .truth import TRUTH_VERSION, CyclesTruth, LightTruth, TruthSurface
+from .truth_cache import TruthCache, compute_key
+
+# What the truth depends on besides the snapshot, which knows neither hair nor volumes.
+TRUTH_KIND = "hard"
+
+
+def compute_scene_key(snapshot: SceneSnapshot) -> str:
+    """Content key of geometry, camera and picture: all that a light's truth depends on besides the light."""
+    camera, render = snapshot.camera, snapshot.render
+    return compute_key(
+        {"kind": TRUTH_KIND, "version": TRUTH_VERSION, "blender": bpy.app.version_string},
+        {
+            "perspective": bool(camera.perspective),
+            "window": [float(value) for value in camera.window],
+            "clip": [float(camera.clip_start), float(camera.clip_end)],
+            "size": [int(render.width), int(render.height)],
+        },
+        np.asarray(camera.world_from_camera, dtype=np.float64),
+        *(array for mesh in snapshot.meshes for array in (mesh.positions, mesh.triangles)),
+        snapshot.instance_mesh,
+        snapshot.instance_matrix,
+        snapshot.instance_flags,
+        snapshot.instance_receiver_group,
+        snapshot.instance_blocker_group,
+    )
+
+
+def compute_light_key(scene_key: str, light: LightData) -> str:
+    """Content key of a light's hard truth: its place and shape; not its energy, colour and size."""
+    return compute_key(
+        scene_key,
+        {
+            "kind": light.kind,
+            "spot_angle": float(light.spot_angle) if light.kind == "SPOT" else 0.0,
+            "casts_shadow": bool(light.casts_shadow),
+            "receivers": int(light.receiver_set),
+            "blockers": int(light.blocker_set),
+        },
+        np.asarray(light.world_from_light, dtype=np.float64),
+    )
+
+
+class TruthStore:
+    """Truth of one frame.
+
+        with TruthStore(scene, view_layer, snapshot) as store:
+            surface, from_cache = store.get_surface()
+            truth, from_cache = store.get_light(snapshot.lights[0])
+
+    `snapshot` must be of the scene's current frame. `notes` tells what went wrong with the cache.
+    """
+
+    def __init__(
+        self,
+        scene: bpy.types.Scene,
+        view_layer: bpy.types.ViewLayer,
+        snapshot: SceneSnapshot,
+        *,
+        folder: Path | None = None,
+        enabled: bool = True,
+        threads: int = 0,
+    ) -> None:
+        self._scene, self._view_layer, self._snapshot = scene, view_layer, snapshot
+        self._threads = threads
+        self._cache = TruthCache(folder) if enabled else None
+        self._scene_key = compute_scene_key(snapshot) if enabled else ""
+        self._stack = contextlib.ExitStack()
+        self._cycles: CyclesTruth | None = None
+        self.notes: list[str] = []
+
+    def __enter__(self) -> TruthStore:
+        return self
+
+    def __exit__(self, *error: object) -> None:
+        self._stack.__exit__(*error)
+        self._cycles = None
+
+    def get_surface(self) -> tuple[TruthSurface, bool]:
+        """What Cycles sees, and whether it came from the cache."""
+        found = self._load(self._scene_key)
+        if found is not None:
+            return TruthSurface(found["positions_ws"], found["covered"], float(found["time_ms"])), True
+        surface = self._get_cycles().render_surface()
+        self._store(self._scene_key, {
+            "positions_ws": surface.positions_ws, "covered": surface.covered, "time_ms": np.float64(surface.time_ms),
+        })  # fmt: skip
+        return surface, False
+
+    def get_light(self, light: LightData) -> tuple[LightTruth, bool]:
+        """A light's truth, and whether it came from the cache."""
+        key = compute_light_key(self._scene_key, light) if self._cache is not None else ""
+        found = self._load(key)
+        if found is not None:
+            times = dict(zip(found["stages"].tolist(), found["times_ms"].tolist(), strict=True))
+            return LightTruth(found["visible"], found["lit"], int(found["undecided"]), times), True
+        truth = self._get_cycles().render_light(light.name)
+        self._store(key, {
+            "visible": truth.visible,
+            "lit": truth.lit,
+            "undecided": np.int64(truth.undecided_count),
+            "stages": np.array(list(truth.times_ms)),
+            "times_ms": np.array(list(truth.times_ms.values())),
+        })  # fmt: skip
+        return truth, False
+
+    def _get_cycles(self) -> CyclesTruth:
+        if self._cycles is None:
+            size = self._snapshot.render
+            self._cycles = self._stack.enter_context(
+                CyclesTruth(self._scene, self._view_layer, size.width, size.height, self._threads)
+            )
+        return self._cycles
+
+    def _load(self, key: str) -> dict[str, Any] | None:
+        if self._cache is None:
+            return None
+        found = self._cache.load(key)
+        self._take_note()
+        return found
+
+    def _store(self, key: str, arrays: dict[str, Any]) -> None:
+        if self._cache is not None:
+            self._cache.store(key, arrays)
+            self._take_note()
+
+    def _take_note(self) -> None:
+        if self._cache.last_error:
+            self.notes.append(self._cache.last_error)
+            self._cache.last_error = ""
