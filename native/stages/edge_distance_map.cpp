@@ -73,7 +73,7 @@ std::shared_ptr<const EdgeDistanceMap> draw_edge_distance_map(Engine& engine, co
     const auto timer = engine.time_stage("edge_distance_map");
     const gl::Texture& depth_tx = *depth_map.texture;
     auto texture = std::make_shared<gl::Texture>(
-        engine.device(), gl::TextureDesc{GL_RGBA32F, depth_tx.width(), depth_tx.height(), depth_tx.layers()}, "edge map");
+        engine.device(), gl::TextureDesc{GL_RGBA16F, depth_tx.width(), depth_tx.height(), depth_tx.layers()}, "edge map");
     auto priority_tx = std::make_shared<gl::Texture>(
         engine.device(), gl::TextureDesc{GL_DEPTH_COMPONENT32F, depth_tx.width(), depth_tx.height()}, "edge priority");
     const gl::Program& program = engine.program("stages/edge_distance_map.vert", "stages/edge_distance_map.frag",

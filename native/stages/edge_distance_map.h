@@ -10,7 +10,7 @@
 namespace shadow_layers {
 
 /// For each texel near a silhouette edge that the light sees: the edge's line, as shaders/shared/edge_map.h says.
-/// RGBA32F array with a layer per view.
+/// RGBA16F array with a layer per view.
 struct EdgeDistanceMap {
     std::shared_ptr<const gl::Texture> texture;
     std::int64_t silhouette_edges = 0;  ///< found in the meshes

@@ -20,42 +20,41 @@ vec4 bilinear_weights(vec2 at) {
     return vec4((1.0 - at.x) * (1.0 - at.y), at.x * (1.0 - at.y), (1.0 - at.x) * at.y, at.x * at.y);
 }
 
-vec4 edge_magnitudes(EdgeTexel texels[4], float missing) {
-    vec4 magnitudes;
-    for (int k = 0; k < 4; ++k) magnitudes[k] = texels[k].relevant ? abs(texels[k].distance) : missing;
-    return magnitudes;
-}
+// What the footprint's texels say, one after the other. Two answers are kept:
+//   forced  - tests give the sign, texels the distance: sum of w_k (s_k ? m_k : -m_k). `missing` is the distance of a texel
+//             without an edge; 1/2 puts the border midway between disagreeing tests;
+//   by line - a line is believed if it has all lit corners on one side and all others on the other. Of several, that of
+//             the nearest texel counts.
+struct BorderEstimate {
+    float forced;       // signed distance
+    float by_line;      // signed distance, if line_weight > 0
+    float line_weight;  // 0: no line agrees with the tests
+};
 
-// Tests give the sign, the map the distance: sum of w_k (s_k ? m_k : -m_k). `missing` is the distance of a texel without an
-// edge; 1/2 puts the border midway between disagreeing tests.
-float sign_forced_distance(vec2 at, vec4 lit, EdgeTexel texels[4], float missing) {
-    return dot(bilinear_weights(at), (2.0 * lit - 1.0) * edge_magnitudes(texels, missing));
-}
+const BorderEstimate kNoEstimate = BorderEstimate(0.0, 0.0, 0.0);
 
 // The raster places a vertex to 1/256 of a texel, so a centre that close to a line may lie on either side of it.
 const float kLineTolerance = 1.0 / 64.0;
 
-// A line is believed if it has all lit corners on one side and all others on the other. Of several, that of the nearest
-// texel counts. False if there is none.
-bool agreeing_line_distance(vec2 at, vec4 lit, EdgeTexel texels[4], out float signed_distance) {
-    vec4 weights = bilinear_weights(at);
-    vec4 signs = 2.0 * lit - 1.0;
-    float best_weight = -1.0;
-    signed_distance = 0.0;
-    for (int k = 0; k < 4; ++k) {
-        vec2 normal = texels[k].normal;
-        float at_origin = texels[k].distance - dot(normal, kCorners[k]);
-        vec4 at_corners = at_origin + vec4(0.0, normal.x, normal.y, normal.x + normal.y);
-        vec4 agreement = at_corners * signs;
-        bool same = all(greaterThan(agreement, vec4(-kLineTolerance)));
-        bool opposite = all(lessThan(agreement, vec4(kLineTolerance)));
-        if (texels[k].relevant && (same || opposite) && weights[k] > best_weight) {
-            best_weight = weights[k];
-            float value = at_origin + dot(normal, at);
-            signed_distance = same ? value : -value;
-        }
+// `corner` and `weight` belong to the texel; `signs` are +1 for lit and -1 for shadowed corners.
+void add_texel(inout BorderEstimate estimate, EdgeTexel texel, vec2 corner, float weight, float own_sign, vec4 signs, vec2 at,
+               float missing) {
+    estimate.forced += weight * own_sign * (texel.relevant ? abs(texel.distance) : missing);
+
+    vec2 normal = texel.normal;
+    float at_origin = texel.distance - dot(normal, corner);
+    vec4 agreement = (at_origin + vec4(0.0, normal.x, normal.y, normal.x + normal.y)) * signs;
+    bool same = all(greaterThan(agreement, vec4(-kLineTolerance)));
+    bool opposite = all(lessThan(agreement, vec4(kLineTolerance)));
+    if (texel.relevant && (same || opposite) && weight > estimate.line_weight) {
+        float value = at_origin + dot(normal, at);
+        estimate.line_weight = weight;
+        estimate.by_line = same ? value : -value;
     }
-    return best_weight >= 0.0;
+}
+
+float border_distance(BorderEstimate estimate) {
+    return estimate.line_weight > 0.0 ? estimate.by_line : estimate.forced;
 }
 
 // Light that passes a straight border at `signed_distance` from a round source of the given width: the part of the disc on

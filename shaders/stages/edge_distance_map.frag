@@ -31,7 +31,8 @@ void main() {
     float seen = max(max(tests.x, tests.y), max(tests.z, tests.w));
 #endif
     if (seen <= 0.0) discard;
-    edge_texel = vec4(edge.normal, edge.line_distance, depth_rz);
+    // Seen from the light the caster is on the left of the edge (scene/silhouettes.h), where edge.normal points.
+    edge_texel = vec4(-edge.normal, -edge.line_distance, depth_rz);
     // Distances on a quad are below 2 reach; a cosine is at most 1.
     gl_FragDepth = edge_priority(EDGE_ORDER, edge) / (4.0 * u_reach_texels + 2.0);
 }

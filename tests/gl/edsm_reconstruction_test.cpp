@@ -31,13 +31,13 @@ protected:
             for (const glm::vec4& t : f.texels) items.push_back(t);
         }
         const auto out = runner_.run("lib/edge_reconstruction_lib.glsl",
-                                     "EdgeTexel t[4];\n"
+                                     "vec2 at = inputs[6*i].xy; vec4 lit = inputs[6*i+1], signs = 2.0 * lit - 1.0;\n"
+                                     "vec4 weights = bilinear_weights(at);\n"
+                                     "BorderEstimate e = kNoEstimate;\n"
                                      "for (int k = 0; k < 4; ++k) { vec4 s = inputs[6*i+2+k];\n"
-                                     "  t[k] = EdgeTexel(s.xy, s.z, s.w > 0.5); }\n"
-                                     "float d = 0.0;\n"
-                                     "bool ok = agreeing_line_distance(inputs[6*i].xy, inputs[6*i+1], t, d);\n"
-                                     "float f = sign_forced_distance(inputs[6*i].xy, inputs[6*i+1], t, 0.5);\n"
-                                     "outputs[i] = vec4(float(ok), d, f, 0.0);",
+                                     "  add_texel(e, EdgeTexel(s.xy, s.z, s.w > 0.5), kCorners[k], weights[k], signs[k], signs,\n"
+                                     "            at, 0.5); }\n"
+                                     "outputs[i] = vec4(float(e.line_weight > 0.0), e.by_line, e.forced, 0.0);",
                                      items, int(footprints.size()), 1);
         std::vector<Answer> answers;
         for (const glm::vec4& o : out) answers.push_back({o.x > 0.5f, o.y, o.z});

@@ -16,7 +16,7 @@ layout(location = 0) out float visibility;
 EdgeTexel fetch_edge(ivec2 texel, int layer, float depth_rz) {
     ivec2 inside = clamp(texel, ivec2(0), ivec2(int(light.map.x) - 1));
     vec4 stored = texelFetch(edge_map_tx, ivec3(inside, max(layer, 0)), 0);
-    return EdgeTexel(stored.xy, stored.z, stored.w >= depth_rz);
+    return EdgeTexel(stored.xy, stored.z, stored.w * (1.0 + kEdgeDepthRounding) >= depth_rz);
 }
 
 void main() {
@@ -31,26 +31,28 @@ void main() {
         vec2 centre = corner + 0.5 + kCorners[k];
         lit[k] = texture(depth_map_tx, vec4(centre * light.map.y, layer, reference_depth(point, centre - point.texel)));
     }
-    float from_map = lit.x;
     bool decided = receiver.fixed_visibility != kMapDecides;
     bool agree = lit.x == lit.y && lit.x == lit.z && lit.x == lit.w;
-    // A software rasteriser masks branches but leaves a loop without trips.
+    // A software rasteriser executes both sides of a branch; only the trips of a loop can be saved, so that the four
+    // texels are worked by a loop that has none where nothing is to decide.
 #if SOFT
-    int rounds = decided ? 0 : 1;
+    int trips = decided ? 0 : 4;
 #else
-    int rounds = decided || agree ? 0 : 1;
+    int trips = decided || agree ? 0 : 4;
 #endif
-    for (int round = 0; round < rounds; ++round) {
-        EdgeTexel texels[4];
-        for (int k = 0; k < 4; ++k) texels[k] = fetch_edge(ivec2(corner) + ivec2(kCorners[k]), layer, point.depth_rz);
-        float signed_distance;
-        bool by_line = !agree && agreeing_line_distance(at, lit, texels, signed_distance);
-        if (!by_line) signed_distance = sign_forced_distance(at, lit, texels, agree ? u_missing_texels : 0.5);
-#if SOFT
-        from_map = disc_kernel(signed_distance, u_softness_texels);
-#else
-        from_map = signed_distance > 0.0 ? 1.0 : 0.0;
-#endif
+    vec4 weights = bilinear_weights(at);
+    vec4 signs = 2.0 * lit - 1.0;
+    BorderEstimate estimate = kNoEstimate;
+    for (int k = 0; k < trips; ++k) {
+        ivec2 offset = ivec2(k & 1, k >> 1);
+        EdgeTexel texel = fetch_edge(ivec2(corner) + offset, layer, point.depth_rz);
+        add_texel(estimate, texel, vec2(offset), weights[k], signs[k], signs, at, agree ? u_missing_texels : 0.5);
     }
+#if SOFT
+    float signed_distance = agree ? estimate.forced : border_distance(estimate);
+    float from_map = disc_kernel(signed_distance, u_softness_texels);
+#else
+    float from_map = agree ? lit.x : float(border_distance(estimate) > 0.0);
+#endif
     visibility = combine_visibility(receiver, layer, from_map);
 }
