@@ -33,8 +33,7 @@ public:
     explicit KeyBuilder(std::string_view name) { add(name); }
 
     template <class T>
-        requires(std::is_arithmetic_v<T> || std::is_enum_v<T>)
-    KeyBuilder& add(T value) {
+    requires(std::is_arithmetic_v<T> || std::is_enum_v<T>) KeyBuilder& add(T value) {
         return add_item(kind_of<T>(), &value, sizeof value);
     }
     template <glm::length_t n, class T, glm::qualifier q>
@@ -60,10 +59,14 @@ public:
 private:
     template <class T>
     static constexpr char kind_of() {
-        if constexpr (std::is_floating_point_v<T>) return 'f';
-        else if constexpr (std::is_enum_v<T>) return 'e';
-        else if constexpr (std::is_same_v<T, bool>) return 'b';
-        else return std::is_signed_v<T> ? 'i' : 'u';
+        if constexpr (std::is_floating_point_v<T>)
+            return 'f';
+        else if constexpr (std::is_enum_v<T>)
+            return 'e';
+        else if constexpr (std::is_same_v<T, bool>)
+            return 'b';
+        else
+            return std::is_signed_v<T> ? 'i' : 'u';
     }
     KeyBuilder& add_item(char kind, const void* data, std::size_t byte_count);
 

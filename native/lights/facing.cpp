@@ -37,8 +37,10 @@ void fill_unoccluded_visibility(const Frame& frame, const Light& light, std::spa
             visibility[pixel] = rules.empty() ? 1.0f : sum / float(rules.size());
         }
     };
-    if (threads) threads->parallel_for(frame.pixel_count(), 1 << 14, fill);
-    else fill(0, frame.pixel_count());
+    if (threads)
+        threads->parallel_for(frame.pixel_count(), 1 << 14, fill);
+    else
+        fill(0, frame.pixel_count());
 }
 
 }  // namespace shadow_layers

@@ -10,8 +10,8 @@
 
 namespace shadow_layers {
 
-/// How a pixel stands to a light before any occlusion. The first that holds, in this order, wins: a receiver outside the
-/// cone is 1 whether or not its face is turned away.
+/// How a pixel stands to a light before any occlusion. The first that holds, in this order, wins: a receiver outside
+/// the cone is 1 whether or not its face is turned away.
 enum class Facing : std::uint8_t {
     Background,   ///< no receiver, or a holdout
     OutsideCone,  ///< outside the spot's cone, or not in front of an area light

@@ -75,8 +75,7 @@ glm::dmat3 compute_light_axes(const glm::dmat4& matrix) {
 std::vector<LightPosition> sample_light_shape(const Light& light, int position_count) {
     std::vector<LightPosition> positions(std::size_t(std::max(1, position_count)), make_centre(light));
     if (positions.size() > 1)
-        for (std::size_t i = 0; i < positions.size(); ++i)
-            move_to_sample(light, get_even_point(int(i)), positions[i]);
+        for (std::size_t i = 0; i < positions.size(); ++i) move_to_sample(light, get_even_point(int(i)), positions[i]);
     return positions;
 }
 

@@ -143,7 +143,8 @@ private:
         Bounds all;
         for (const Instance& instance : scene_.instances)
             if (instance.flags & (kInstanceCamera | kInstanceShadow))
-                all.add(transform_bounds(scene_.meshes[instance.mesh]->bounds, ls_from_ws * instance.world_from_object));
+                all.add(
+                    transform_bounds(scene_.meshes[instance.mesh]->bounds, ls_from_ws * instance.world_from_object));
         seed.u = {all.min.x, all.max.x};
         seed.v = {all.min.y, all.max.y};
         give_width(seed, all.max.z - all.min.z);
@@ -194,11 +195,15 @@ private:
         if (bounds.is_empty()) return seed;
         seed.origin_ws = position.directional ? 0.5 * (bounds.min + bounds.max) : position.position_ws;
         const ReceiverScan scan(frame_, light_, position, seed.origin_ws, threads_);
-        if (kept) seed.axes = glm::transpose(glm::dmat3(kept->ls_from_ws));
-        else turn_seed(scan, seed);
+        if (kept)
+            seed.axes = glm::transpose(glm::dmat3(kept->ls_from_ws));
+        else
+            turn_seed(scan, seed);
         seed.receivers = scan.measure(seed.axes);
-        if (seed.perspective) set_spot_frame(seed);
-        else set_sun_frame(seed);
+        if (seed.perspective)
+            set_spot_frame(seed);
+        else
+            set_sun_frame(seed);
         return seed;
     }
 

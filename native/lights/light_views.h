@@ -14,19 +14,19 @@ class ThreadPool;
 
 /// One map's worth of a light position: a cube face, a spot's cone, a sun's rectangle (later: a cascade).
 ///
-/// Light clip space "_lc": x and y in [-w, w] over the map *including* its border; depth reversed, z / w = 1 on the near
-/// plane and 0 on the far plane (GL_ZERO_TO_ONE). So window depth "depth_rz" is larger nearer to the light, planar
-/// over a triangle, and precise in float at any near : far ratio. The z row is built from w - near and far - w in double
-/// and is not derived from the float w row: a far spot with a tight range keeps its precision.
+/// Light clip space "_lc": x and y in [-w, w] over the map *including* its border; depth reversed, z / w = 1 on the
+/// near plane and 0 on the far plane (GL_ZERO_TO_ONE). So window depth "depth_rz" is larger nearer to the light, planar
+/// over a triangle, and precise in float at any near : far ratio. The z row is built from w - near and far - w in
+/// double and is not derived from the float w row: a far spot with a tight range keeps its precision.
 struct LightView {
     bool perspective = true;
-    int size_texels = 0;     ///< side of the square map, border included
-    int border_texels = 0;   ///< on each side, inside size_texels
-    double near_ls = 0, far_ls = 0;    ///< along the view's -Z, scene units
-    glm::dmat4 ls_from_ws{1.0};        ///< rigid: world to the view's light space (looks along -Z)
-    glm::dmat4 lc_from_ls{1.0};        ///< projection as above
-    glm::dmat4 lc_from_ws{1.0};        ///< product, for geometry in double
-    std::uint8_t face = 0;             ///< cube face 0..5 (+X -X +Y -Y +Z -Z of the light position's axes)
+    int size_texels = 0;                 ///< side of the square map, border included
+    int border_texels = 0;               ///< on each side, inside size_texels
+    double near_ls = 0, far_ls = 0;      ///< along the view's -Z, scene units
+    glm::dmat4 ls_from_ws{1.0};          ///< rigid: world to the view's light space (looks along -Z)
+    glm::dmat4 lc_from_ls{1.0};          ///< projection as above
+    glm::dmat4 lc_from_ws{1.0};          ///< product, for geometry in double
+    std::uint8_t face = 0;               ///< cube face 0..5 (+X -X +Y -Y +Z -Z of the light position's axes)
     std::vector<std::uint32_t> casters;  ///< indices into Scene::instances that can cast into this view's region
     ContentKey key;                      ///< of everything a map drawn from this view depends on
 };
@@ -49,9 +49,9 @@ struct ViewSettings {
     int position_count = 1;
 };
 
-/// The positions of a light and their views, fitted to the receivers in `frame` that face the light, are in its cone and
-/// in its receiver set, and to the casters that can reach them. `previous` (may be null), made for another sample of the
-/// same pixels, is kept where it still covers the receivers, so that jittered samples share their maps.
+/// The positions of a light and their views, fitted to the receivers in `frame` that face the light, are in its cone
+/// and in its receiver set, and to the casters that can reach them. `previous` (may be null), made for another sample
+/// of the same pixels, is kept where it still covers the receivers, so that jittered samples share their maps.
 /// `threads` (may be null: one thread) does not change the result.
 std::vector<LightPosition> make_light_positions(const Frame& frame, const Light& light, const ViewSettings& settings,
                                                 const std::vector<LightPosition>* previous = nullptr,

@@ -74,8 +74,10 @@ Result ReceiverScan::collect(std::size_t stride, const Result& empty, const Add&
             parts[first / kPixelBlock] = std::move(part);
         }
     };
-    if (threads_) threads_->parallel_for(count, kPixelBlock, scan);
-    else scan(0, count);
+    if (threads_)
+        threads_->parallel_for(count, kPixelBlock, scan);
+    else
+        scan(0, count);
     Result all = empty;
     for (const Result& part : parts) all = merge(std::move(all), part);
     return all;
@@ -86,8 +88,10 @@ Bounds ReceiverScan::measure(const ViewAxes& axes) const {
     return collect(1, Bounds(), [&axes, perspective](const glm::dvec3& from_origin, Bounds& box) {
         const double x = glm::dot(axes[0], from_origin), y = glm::dot(axes[1], from_origin);
         const double depth = -glm::dot(axes[2], from_origin);
-        if (!perspective) box.add({x, y, depth});
-        else if (depth > 0) box.add({x / depth, y / depth, depth});
+        if (!perspective)
+            box.add({x, y, depth});
+        else if (depth > 0)
+            box.add({x / depth, y / depth, depth});
     });
 }
 
@@ -101,7 +105,8 @@ std::vector<Bounds> ReceiverScan::measure_turns(const ViewAxes& axes, std::span<
                        const double depth = -glm::dot(axes[2], from_origin);
                        if (perspective && !(depth > 0)) return;
                        const double scale = perspective ? 1 / depth : 1;
-                       const double x = scale * glm::dot(axes[0], from_origin), y = scale * glm::dot(axes[1], from_origin);
+                       const double x = scale * glm::dot(axes[0], from_origin),
+                                    y = scale * glm::dot(axes[1], from_origin);
                        for (std::size_t i = 0; i < boxes.size(); ++i) {
                            const glm::dvec2& d = directions[i];
                            boxes[i].add({d.x * x + d.y * y, d.x * y - d.y * x, depth});

@@ -17,8 +17,8 @@ using ViewAxes = glm::dmat3;
 /// Axes of cube face `face` (+X -X +Y -Y +Z -Z) of a light position's axes.
 ViewAxes compute_face_axes(const glm::dmat3& light_axes, int face);
 
-/// Where the lit receivers of a frame lie as seen from a light position: boxes of (u, v, depth). Perspective: u = x / depth,
-/// v = y / depth, depth along -z from the light. Sun: u = x, v = y, depth = -z, from `origin_ws`.
+/// Where the lit receivers of a frame lie as seen from a light position: boxes of (u, v, depth). Perspective: u = x /
+/// depth, v = y / depth, depth along -z from the light. Sun: u = x, v = y, depth = -z, from `origin_ws`.
 ///
 /// A receiver counts if the light may light it (FacingRule, widened by what float arithmetic may decide otherwise).
 class ReceiverScan {

@@ -45,10 +45,14 @@ struct Side {
 
 std::array<Side, 4> find_sides(const ViewRegion& region) {
     if (!region.perspective)
-        return {{{{1, 0, 0}, region.u.low}, {{-1, 0, 0}, -region.u.high}, {{0, 1, 0}, region.v.low},
+        return {{{{1, 0, 0}, region.u.low},
+                 {{-1, 0, 0}, -region.u.high},
+                 {{0, 1, 0}, region.v.low},
                  {{0, -1, 0}, -region.v.high}}};
     // x >= u depth with depth = -z is x + u z >= 0
-    return {{{{1, 0, region.u.low}, 0}, {{-1, 0, -region.u.high}, 0}, {{0, 1, region.v.low}, 0},
+    return {{{{1, 0, region.u.low}, 0},
+             {{-1, 0, -region.u.high}, 0},
+             {{0, 1, region.v.low}, 0},
              {{0, -1, -region.v.high}, 0}}};
 }
 
@@ -80,7 +84,8 @@ double find_nearest_depth(const OrientedBox& box, const std::array<Side, 4>& sid
         inside = inside && across.low <= 0 && across.high >= 0;
     }
     if (inside) return 0;
-    static constexpr int kFaces[6][4] = {{0, 2, 6, 4}, {1, 3, 7, 5}, {0, 1, 5, 4}, {2, 3, 7, 6}, {0, 1, 3, 2}, {4, 5, 7, 6}};
+    static constexpr int kFaces[6][4] = {{0, 2, 6, 4}, {1, 3, 7, 5}, {0, 1, 5, 4},
+                                         {2, 3, 7, 6}, {0, 1, 3, 2}, {4, 5, 7, 6}};
     double nearest = none;
     std::vector<glm::dvec3> polygon, scratch;
     for (const auto& face : kFaces) {
@@ -111,11 +116,14 @@ ViewCasters find_view_casters(const Scene& scene, const Light& light, const View
             part.instances.push_back(std::uint32_t(i));
             const double depth = -box.span({0, 0, 1}).high;
             if (depth >= part.nearest) continue;
-            part.nearest = region.perspective ? std::min(part.nearest, find_nearest_depth(box, sides, part.nearest)) : depth;
+            part.nearest =
+                region.perspective ? std::min(part.nearest, find_nearest_depth(box, sides, part.nearest)) : depth;
         }
     };
-    if (threads) threads->parallel_for(count, kInstanceBlock, find);
-    else find(0, count);
+    if (threads)
+        threads->parallel_for(count, kInstanceBlock, find);
+    else
+        find(0, count);
     ViewCasters all;
     all.nearest = region.depth_max;
     for (const ViewCasters& part : parts) {

@@ -17,7 +17,7 @@ class ThreadPool;
 struct ViewRegion {
     bool perspective = true;
     glm::dmat4 ls_from_ws{1.0};
-    Interval u, v;       ///< as in ReceiverScan
+    Interval u, v;         ///< as in ReceiverScan
     double depth_max = 0;  ///< of the receivers
 };
 

@@ -29,8 +29,10 @@ struct HalfEdges {
 
 void run(ThreadPool* threads, std::size_t count, std::size_t block,
          const std::function<void(std::size_t, std::size_t)>& body) {
-    if (threads) threads->parallel_for(count, block, body);
-    else body(0, count);
+    if (threads)
+        threads->parallel_for(count, block, body);
+    else
+        body(0, count);
 }
 
 /// The welded corners of the triangles that have edges; others get kNoVertex in x.
@@ -39,9 +41,9 @@ std::vector<glm::uvec3> weld_triangles(const Mesh& mesh, MeshAdjacency& made) {
     for (std::size_t t = 0; t < corners.size(); ++t) {
         const glm::uvec3& tri = mesh.triangles[t];
         glm::uvec3 c(made.weld[tri.x], made.weld[tri.y], made.weld[tri.z]);
-        const bool usable = made.all_usable || (is_usable_vertex(mesh.positions[tri.x]) &&
-                                                is_usable_vertex(mesh.positions[tri.y]) &&
-                                                is_usable_vertex(mesh.positions[tri.z]));
+        const bool usable =
+            made.all_usable || (is_usable_vertex(mesh.positions[tri.x]) && is_usable_vertex(mesh.positions[tri.y]) &&
+                                is_usable_vertex(mesh.positions[tri.z]));
         if (!usable || c.x == c.y || c.y == c.z || c.z == c.x) {
             c.x = kNoVertex;
             ++made.dropped_count;
@@ -195,7 +197,8 @@ ComponentShapes measure_components(const Mesh& mesh, const MeshAdjacency& adjace
         const glm::dvec3 size = shapes.bounds[c].max - shapes.bounds[c].min;
         const double diagonal = glm::length(size);
         // Rounding of the sum stays far below 1e-12 of the cube round the part; less than that has no inside.
-        if (std::abs(volume[c]) > 1e-12 * diagonal * diagonal * diagonal) shapes.orientation[c] = volume[c] > 0 ? 1 : -1;
+        if (std::abs(volume[c]) > 1e-12 * diagonal * diagonal * diagonal)
+            shapes.orientation[c] = volume[c] > 0 ? 1 : -1;
     }
     return shapes;
 }

@@ -11,8 +11,8 @@
 
 namespace shadow_layers {
 
-/// A vertex that geometry may be made of: finite, and small enough that squares of differences fit a float (|c| <= 1e18).
-/// Triangles that use any other vertex are left out everywhere: frame, maps, silhouettes, bounds.
+/// A vertex that geometry may be made of: finite, and small enough that squares of differences fit a float (|c| <=
+/// 1e18). Triangles that use any other vertex are left out everywhere: frame, maps, silhouettes, bounds.
 inline bool is_usable_vertex(const glm::vec3& p) {
     constexpr float kLargest = 1e18f;
     return std::abs(p.x) <= kLargest && std::abs(p.y) <= kLargest && std::abs(p.z) <= kLargest;  // false for NaN
@@ -30,7 +30,8 @@ Bounds compute_scene_bounds(const Scene& scene, std::uint32_t flags = kInstanceC
 
 /// Corner k of a box: bit 0, 1, 2 of k choose max over min in x, y, z.
 inline glm::dvec3 box_corner(const Bounds& bounds, int k) {
-    return {k & 1 ? bounds.max.x : bounds.min.x, k & 2 ? bounds.max.y : bounds.min.y, k & 4 ? bounds.max.z : bounds.min.z};
+    return {k & 1 ? bounds.max.x : bounds.min.x, k & 2 ? bounds.max.y : bounds.min.y,
+            k & 4 ? bounds.max.z : bounds.min.z};
 }
 
 }  // namespace shadow_layers

@@ -18,7 +18,8 @@ constexpr std::size_t kTriangleBlock = 1 << 14, kEdgeBlock = 1 << 15;
 
 void run(ThreadPool* threads, std::size_t count, std::size_t block,
          const std::function<void(std::size_t, std::size_t)>& body) {
-    if (threads) threads->parallel_for(count, block, body);
+    if (threads)
+        threads->parallel_for(count, block, body);
     else
         for (std::size_t begin = 0; begin < count; begin += block) body(begin, std::min(begin + block, count));
 }
@@ -59,7 +60,8 @@ public:
         for (; e < std::min(end, adjacency_.pair_count); ++e) {
             const EdgeUse first = adjacency_.uses[2 * std::size_t(e)], second = adjacency_.uses[2 * std::size_t(e) + 1];
             const unsigned s = sides_[first.triangle()], t = sides_[second.triangle()];
-            // Two triangles that run along the edge in opposite ways, once turned to the light, cancel: by far the most.
+            // Two triangles that run along the edge in opposite ways, once turned to the light, cancel: by far the
+            // most.
             if (!((s | t) & kNoArea) && (((first.packed ^ second.packed) & 1u) ^ s ^ t)) continue;
             add(e, found);
         }

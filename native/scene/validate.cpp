@@ -67,8 +67,7 @@ void check_axes(const std::string& who, const char* field, const glm::dmat4& mat
 }
 
 void check_group(const std::string& who, const char* field, unsigned group) {
-    if (group > 63)
-        refuse(who, std::string(field) + " is " + std::to_string(group) + "; groups are numbered 0 to 63");
+    if (group > 63) refuse(who, std::string(field) + " is " + std::to_string(group) + "; groups are numbered 0 to 63");
 }
 
 void check_instance(const Scene& scene, std::size_t index) {
@@ -121,9 +120,11 @@ void validate(const Camera& camera) {
     check_range(who, "window.bottom", window.bottom, -kLargestEntry, kLargestEntry, "");
     check_range(who, "window.top", window.top, -kLargestEntry, kLargestEntry, "");
     if (!(window.right > window.left))
-        refuse(who, "the window is empty: right " + text_of(window.right) + " is not above left " + text_of(window.left));
+        refuse(who,
+               "the window is empty: right " + text_of(window.right) + " is not above left " + text_of(window.left));
     if (!(window.top > window.bottom))
-        refuse(who, "the window is empty: top " + text_of(window.top) + " is not above bottom " + text_of(window.bottom));
+        refuse(who,
+               "the window is empty: top " + text_of(window.top) + " is not above bottom " + text_of(window.bottom));
     check_range(who, "clip_start", camera.clip_start, -kLargestEntry, kLargestEntry, "");
     check_range(who, "clip_end", camera.clip_end, -kLargestEntry, kLargestEntry, "");
     if (camera.perspective && !(camera.clip_start > 0))

@@ -20,8 +20,8 @@ namespace {
 
 using Corners = std::array<glm::dvec3, 3>;
 
-/// Distance along the direction at which the line meets the triangle; its rim counts. The sign of an edge's volume is the
-/// same for both triangles at the edge, because the corners are always taken in the same order.
+/// Distance along the direction at which the line meets the triangle; its rim counts. The sign of an edge's volume is
+/// the same for both triangles at the edge, because the corners are always taken in the same order.
 std::optional<double> intersect(const glm::dvec3& origin, const glm::dvec3& direction, const Corners& corners) {
     const glm::dvec3 a = corners[0] - origin, b = corners[1] - origin, c = corners[2] - origin;
     const auto volume = [&](const glm::dvec3& p, const glm::dvec3& q) {
@@ -61,8 +61,10 @@ bool is_neighbour_in_plane(const Corners& self, const Corners& other) {
     int shared = 0;
     glm::dvec3 apex = other[0];
     for (const glm::dvec3& p : other) {
-        if (p == self[0] || p == self[1] || p == self[2]) ++shared;
-        else apex = p;
+        if (p == self[0] || p == self[1] || p == self[2])
+            ++shared;
+        else
+            apex = p;
     }
     if (shared == 3) return true;
     if (shared < 2) return false;
@@ -175,7 +177,8 @@ RayOracle::RayOracle(std::shared_ptr<const Scene> scene) : impl_(std::make_uniqu
     const RTCGeometry geometry = rtcNewGeometry(impl_->device, RTC_GEOMETRY_TYPE_USER);
     rtcSetGeometryUserPrimitiveCount(geometry, unsigned(impl_->triangles.size()));
     rtcSetGeometryUserData(geometry, impl_.get());
-    rtcSetGeometryBoundsFunction(geometry, [](const RTCBoundsFunctionArguments* args) { Impl::bounds(args); }, nullptr);
+    rtcSetGeometryBoundsFunction(
+        geometry, [](const RTCBoundsFunctionArguments* args) { Impl::bounds(args); }, nullptr);
     rtcSetGeometryOccludedFunction(geometry, &Impl::occluded);
     rtcSetGeometryIntersectFunction(geometry, &Impl::intersected);
     rtcCommitGeometry(geometry);
@@ -214,8 +217,8 @@ bool RayOracle::is_occluded(const glm::dvec3& receiver_ws, const PixelIds& recei
     Query query;
     rtcInitIntersectContext(&query.context);
     query.origin = receiver_ws - impl_->origin;
-    query.direction = position.directional ? position.to_light_ws * (4 * impl_->reach + 1e-300)
-                                           : position.position_ws - receiver_ws;
+    query.direction =
+        position.directional ? position.to_light_ws * (4 * impl_->reach + 1e-300) : position.position_ws - receiver_ws;
     if (query.direction == glm::dvec3(0)) return false;
     query.near = 0;
     query.far = 1;
@@ -239,8 +242,9 @@ std::vector<float> RayOracle::compute_visibility(const Frame& frame, const Light
             visibility[pixel] = get_unoccluded_visibility(facing);
             if (facing != Facing::Lit || !light.casts_shadow) continue;
             const PixelIds ids = frame.ids[pixel];
-            const PixelRay ray = compute_pixel_ray(frame.camera, double(pixel % std::size_t(frame.width)) + 0.5,
-                                                   double(pixel / std::size_t(frame.width)) + 0.5, frame.width, frame.height);
+            const PixelRay ray =
+                compute_pixel_ray(frame.camera, double(pixel % std::size_t(frame.width)) + 0.5,
+                                  double(pixel / std::size_t(frame.width)) + 0.5, frame.width, frame.height);
             Corners corners = get_corners(ids);
             for (glm::dvec3& p : corners) p += impl_->origin - ray.origin_ws;
             const auto distance = intersect_plane({glm::dvec3(0), ray.direction}, corners);
@@ -249,8 +253,10 @@ std::vector<float> RayOracle::compute_visibility(const Frame& frame, const Light
             if (is_occluded(receiver, ids, light, position)) visibility[pixel] = 0;
         }
     };
-    if (threads) threads->parallel_for(frame.pixel_count(), 1 << 12, work);
-    else work(0, frame.pixel_count());
+    if (threads)
+        threads->parallel_for(frame.pixel_count(), 1 << 12, work);
+    else
+        work(0, frame.pixel_count());
     return visibility;
 }
 
@@ -269,7 +275,8 @@ Frame RayOracle::make_frame(const Camera& camera, int width, int height, ThreadP
         for (std::size_t pixel = begin; pixel < end; ++pixel) {
             const PixelRay ray = compute_pixel_ray(camera, double(pixel % std::size_t(width)) + 0.5,
                                                    double(pixel / std::size_t(width)) + 0.5, width, height);
-            const auto hit = find_first(ray.origin_ws, ray.direction, camera.clip_start, camera.clip_end, kInstanceCamera);
+            const auto hit =
+                find_first(ray.origin_ws, ray.direction, camera.clip_start, camera.clip_end, kInstanceCamera);
             if (!hit) continue;
             const Corners c = get_corners(hit->ids);
             const glm::dvec3 normal = glm::normalize(glm::cross(c[1] - c[0], c[2] - c[0]));
@@ -279,8 +286,10 @@ Frame RayOracle::make_frame(const Camera& camera, int width, int height, ThreadP
             frame.normals[pixel] = glm::vec3(glm::dot(normal, ray.direction) > 0 ? -normal : normal);
         }
     };
-    if (threads) threads->parallel_for(frame.pixel_count(), 1 << 12, work);
-    else work(0, frame.pixel_count());
+    if (threads)
+        threads->parallel_for(frame.pixel_count(), 1 << 12, work);
+    else
+        work(0, frame.pixel_count());
     return frame;
 }
 

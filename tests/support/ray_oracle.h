@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: 2026 Shadow Layers contributors
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
-// Independent truth for tests: which pixel sees what, and what lies between it and a light. Embree finds the boxes that a
-// ray passes; every triangle is then decided here in double, so nothing hangs on float near ties.
+// Independent truth for tests: which pixel sees what, and what lies between it and a light. Embree finds the boxes that
+// a ray passes; every triangle is then decided here in double, so nothing hangs on float near ties.
 
 #include <memory>
 #include <optional>
@@ -42,8 +42,9 @@ public:
     bool is_occluded(const glm::dvec3& receiver_ws, const PixelIds& receiver, const Light& light,
                      const LightPosition& position) const;
 
-    /// The exact hard shadow: per pixel of the frame 1 = lit, 0 = in shadow or turned away, by the rule of lights/facing.h.
-    /// Receivers are taken anew in double from the pixel's ray and the plane of the triangle in frame.ids.
+    /// The exact hard shadow: per pixel of the frame 1 = lit, 0 = in shadow or turned away, by the rule of
+    /// lights/facing.h. Receivers are taken anew in double from the pixel's ray and the plane of the triangle in
+    /// frame.ids.
     std::vector<float> compute_visibility(const Frame& frame, const Light& light, const LightPosition& position,
                                           ThreadPool* threads = nullptr) const;
 
