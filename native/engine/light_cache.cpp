@@ -16,8 +16,9 @@ std::shared_ptr<const std::vector<LightPosition>> LightCache::get(std::uint32_t 
     if (entry.sample != sample_) {
         const auto timer = engine_.time_stage("light_views");
         const ViewSettings settings{needs.map_size, needs.map_border_texels, needs.light_positions};
-        entry.positions = std::make_shared<const std::vector<LightPosition>>(make_light_positions(
-            *frame_, frame_->scene->lights[light], settings, entry.positions ? entry.positions.get() : nullptr));
+        entry.positions = std::make_shared<const std::vector<LightPosition>>(
+            make_light_positions(*frame_, frame_->scene->lights[light], settings,
+                                 entry.positions ? entry.positions.get() : nullptr, &engine_.threads()));
         entry.sample = sample_;
     }
     const auto positions = entry.positions;
