@@ -8,6 +8,8 @@ from dataclasses import dataclass
 from enum import Enum
 from typing import Any
 
+import bpy
+
 _EPSILON = 1e-5
 _MAX_DEPTH = 64  # node trees may be deep, but a loop must end
 
@@ -31,9 +33,14 @@ class MaterialFacts:
 OPAQUE_FACTS = MaterialFacts()
 
 
+def _uses_nodes(owner: Any) -> bool:
+    # Since 5.0 nodes are always used, and the switch is only kept for scripts.
+    return owner.node_tree is not None and (bpy.app.version >= (5, 0) or owner.use_nodes)
+
+
 def examine(material: Any) -> MaterialFacts:
     """Reads a material's nodes. None (an empty slot) is opaque, as in Cycles."""
-    if material is None or material.node_tree is None or not material.use_nodes:
+    if material is None or not _uses_nodes(material):
         return OPAQUE_FACTS
     tree = material.node_tree
     output = tree.get_output_node("CYCLES") or tree.get_output_node("ALL")
@@ -152,9 +159,9 @@ def world_lights(world: Any) -> bool:
     """Whether the world sheds light (its light has no layer)."""
     if world is None:
         return False
-    tree = world.node_tree
-    if tree is None or not world.use_nodes:
+    if not _uses_nodes(world):
         return max(world.color) > _EPSILON
+    tree = world.node_tree
     output = tree.get_output_node("CYCLES") or tree.get_output_node("ALL")
     source = _source(output.inputs["Surface"], ()) if output is not None else None
     if source is None:
