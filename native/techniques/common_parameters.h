@@ -2,18 +2,14 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include "engine/engine.h"
 #include "shadow_layers/technique_descriptor.h"
 
 namespace shadow_layers {
 
-/// Parameters and checks that techniques built on a depth map share.
+/// Parameters that techniques built on a depth map share.
 ParameterSpec map_size_parameter();
 std::vector<LightKind> all_light_kinds();
 std::vector<OutputSpec> visibility_output();
-
-/// InputError naming technique, parameter and the driver's limit if a map with its border is too large for it.
-void check_map_size(const Engine& engine, const TechniqueDescriptor& technique, const ParameterValues& parameters);
 
 /// Texels that 2 x 2 lookups may reach over the rim of a view. sm, pcf with one tap and edsm ask for the same border, so
 /// that they share views and depth maps.

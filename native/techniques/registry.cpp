@@ -5,6 +5,7 @@
 #include "shadow_layers/error.h"
 #include "techniques/edsm/edsm.h"
 #include "techniques/pcf/pcf.h"
+#include "techniques/probe/probe.h"
 #include "techniques/sm/sm.h"
 #include "techniques/technique.h"
 
@@ -16,6 +17,7 @@ const std::vector<TechniqueEntry>& technique_entries() {
         {describe_sm, make_sm},
         {describe_pcf, make_pcf},
         {describe_edsm, make_edsm},
+        {describe_probe, make_probe},
     };
     return entries;
 }

@@ -46,7 +46,6 @@ EdgeDistanceOptions edge_options(const ParameterValues& values) {
 class EDSM final : public Technique {
 public:
     void prepare(Engine& engine, const ParameterValues& parameters) override {
-        check_map_size(engine, descriptor_, parameters);
         if (is_thesis(parameters)) {
             program_ = &engine.program("frame/fullscreen.vert", "techniques/edsm/edsm_thesis.frag");
         } else {
@@ -77,7 +76,6 @@ public:
     }
 
 private:
-    TechniqueDescriptor descriptor_ = describe_edsm();
     const gl::Program* program_ = nullptr;
     MapEdgeFinder finder_;
     ResolvePass resolve_;

@@ -29,7 +29,6 @@ double kernel_reach(const ParameterValues& values) {
 class PCF final : public Technique {
 public:
     void prepare(Engine& engine, const ParameterValues& parameters) override {
-        check_map_size(engine, descriptor_, parameters);
         program_ = &engine.program("frame/fullscreen.vert", "techniques/pcf/pcf.frag",
                                    {{"KERNEL", std::to_string(parameters.get_int("kernel"))},
                                     {"BILINEAR", parameters.get_bool("bilinear") ? "1" : "0"}});
@@ -53,7 +52,6 @@ public:
     }
 
 private:
-    TechniqueDescriptor descriptor_ = describe_pcf();
     const gl::Program* program_ = nullptr;
     ResolvePass resolve_;
 };

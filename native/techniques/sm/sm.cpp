@@ -16,8 +16,7 @@ namespace {
 
 class SM final : public Technique {
 public:
-    void prepare(Engine& engine, const ParameterValues& parameters) override {
-        check_map_size(engine, descriptor_, parameters);
+    void prepare(Engine& engine, const ParameterValues&) override {
         program_ = &engine.program("frame/fullscreen.vert", "techniques/sm/sm.frag");
     }
 
@@ -33,7 +32,6 @@ public:
     }
 
 private:
-    TechniqueDescriptor descriptor_ = describe_sm();
     const gl::Program* program_ = nullptr;
     ResolvePass resolve_;
 };
