@@ -208,7 +208,7 @@ def build(options: argparse.Namespace) -> None:
     line_up_houses(random)
     line_the_street(random)
     add_landmark(kit.new_material("Stone", (0.58, 0.54, 0.46)), kit.new_material("Slate", (0.16, 0.20, 0.24)))
-    kit.add_light("SUN", "Sun", (7.5, -12, 19), (0, 0, 0), 5.0, color=(1.0, 0.91, 0.77), angle=math.radians(0.526))
+    kit.add_light("SUN", "Sun", (7.5, -12, 19), (0, 0, 0), 4.0, color=(1.0, 0.91, 0.77), angle=math.radians(0.526))
     bpy.context.scene.world.color = (0.16, 0.22, 0.32)
     kit.add_camera((1.35, -17.0, 1.75), (0.2, 14.0, 4.1), lens_mm=26)
 

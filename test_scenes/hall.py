@@ -112,7 +112,7 @@ def build(options: argparse.Namespace) -> None:
     kit.add_object("Roof", make_roof(), material=wood)
     end = kit.box((2 * kHalfWidthM + 2 * kWallM, 0.3, kHeightM + 0.4), (0, length + 0.15, kHeightM / 2 + 0.2))
     kit.add_object("End wall", end, material=plaster)
-    kit.add_light("SUN", "Sun", (9, -3, 9), (0.6, 1.6, 0), 6.0, color=(1.0, 0.90, 0.74), angle=math.radians(0.526))
+    kit.add_light("SUN", "Sun", (9, -3, 9), (0.6, 1.6, 0), 4.5, color=(1.0, 0.90, 0.74), angle=math.radians(0.526))
     kit.add_camera((-1.5, -0.6, 1.75), (0.55, 12.0, 2.3), lens_mm=24)
 
 

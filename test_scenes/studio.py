@@ -109,7 +109,7 @@ def add_lights() -> None:
                   size=0.9, size_y=0.6)
     kit.add_light("SPOT", "Spot", (-3.5, 2.5, 2.75), (0.1, -0.4, 0.45), 900, color=(1.0, 0.80, 0.55),
                   spot_size=math.radians(52), spot_blend=0.25, shadow_soft_size=0.04)
-    kit.add_light("POINT", "Lantern", (1.62, 0.62, 1.02), (1.62, 0.62, 0), 46, color=(1.0, 0.62, 0.30),
+    kit.add_light("POINT", "Bulb", (1.62, 0.62, 1.02), (1.62, 0.62, 0), 46, color=(1.0, 0.62, 0.30),
                   shadow_soft_size=0.015)
     kit.add_light("SUN", "Sun", (-4.2, -5.0, 5.4), (0, 0, 0), 0.85, color=(0.66, 0.78, 1.0), angle=math.radians(0.526))
 
