@@ -24,7 +24,7 @@ constexpr double kWidestCone = 120 * std::numbers::pi / 180;
 constexpr double kFarSpotDepths = 1;
 /// The near plane's least part of the far plane; reversed float depth keeps its precision all the same.
 constexpr double kLeastNear = 1e-6;
-/// Beyond the farthest receiver, as a part of the depth range.
+/// Beyond the farthest receiver, as a part of the depth range and of the map's width.
 constexpr double kFarMargin = 1e-3;
 /// Turns of a map about its axis, of which one is taken if it saves at least this part of the area.
 constexpr int kTurnCount = 8;
@@ -98,15 +98,14 @@ ContentKey compute_view_key(const Scene& scene, const LightView& view) {
     return builder.key();
 }
 
-/// The planes round receivers and casters.
-void set_depth_range(const Bounds& receivers, double nearest_caster, LightView& view) {
+/// The planes round receivers and casters. The range is never much smaller than the map is wide, so that a lone flat
+/// receiver, which has no depth of its own, does not turn rounding into depth.
+void set_depth_range(const Bounds& receivers, double nearest_caster, double margin, LightView& view) {
     const double farthest = receivers.max.z;
     double near = std::min(nearest_caster, receivers.min.z);
     if (view.perspective) near = std::max(near, farthest * kLeastNear);
-    // A lone flat receiver has no depth of its own.
-    const double scale = view.perspective ? farthest : std::max(std::abs(farthest), 1 / view.lc_from_ls[0][0]);
     view.near_ls = near;
-    view.far_ls = farthest + std::max(kFarMargin * (farthest - near), 1e-9 * scale);
+    view.far_ls = farthest + std::max(kFarMargin * (farthest - near), margin);
 }
 
 class ViewMaker {
@@ -250,10 +249,10 @@ private:
         const Interval v = fit_map_interval({receivers.min.y, receivers.max.y}, seed.v, settings_.map_size);
         const Interval outer_u = grow(u, settings_.map_size, settings_.border_texels);
         const Interval outer_v = grow(v, settings_.map_size, settings_.border_texels);
+        const double margin = kFarMargin * outer_u.size() * (seed.perspective ? receivers.max.z : 1);
         ViewCasters casters = find_view_casters(
-            scene_, light_, {seed.perspective, view.ls_from_ws, outer_u, outer_v, receivers.max.z}, threads_);
-        view.lc_from_ls[0][0] = 2 / outer_u.size();  // the size of the map, for the depth range of a flat scene
-        set_depth_range(receivers, casters.nearest, view);
+            scene_, light_, {seed.perspective, view.ls_from_ws, outer_u, outer_v, receivers.max.z + margin}, threads_);
+        set_depth_range(receivers, casters.nearest, margin, view);
         view.casters = std::move(casters.instances);
         view.lc_from_ls = compute_lc_from_ls(view.perspective, outer_u, outer_v, view.near_ls, view.far_ls);
         view.lc_from_ws = view.lc_from_ls * view.ls_from_ws;

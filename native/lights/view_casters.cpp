@@ -75,18 +75,21 @@ void clip(std::vector<glm::dvec3>& polygon, const Side& side, std::vector<glm::d
     polygon.swap(scratch);
 }
 
-/// Depth of the nearest point of the box inside the pyramid; 0 if the light is in the box.
-double find_nearest_depth(const OrientedBox& box, const std::array<Side, 4>& sides, double none) {
-    // The light, at the origin, is inside if it is between the planes of all three pairs of faces.
-    bool inside = true;
+/// Is the light, at the origin, between the planes of all three pairs of faces?
+bool holds_light(const OrientedBox& box) {
     for (int i = 0; i < 3; ++i) {
         const Interval across = box.span(glm::cross(box.half[(i + 1) % 3], box.half[(i + 2) % 3]));
-        inside = inside && across.low <= 0 && across.high >= 0;
+        if (across.low > 0 || across.high < 0) return false;
     }
-    if (inside) return 0;
+    return true;
+}
+
+/// Depth of the nearest point of the box inside the region; 0 if a pyramid starts in the box.
+double find_nearest_depth(const OrientedBox& box, const ViewRegion& region, const std::array<Side, 4>& sides) {
+    if (region.perspective && holds_light(box)) return 0;
     static constexpr int kFaces[6][4] = {{0, 2, 6, 4}, {1, 3, 7, 5}, {0, 1, 5, 4},
                                          {2, 3, 7, 6}, {0, 1, 3, 2}, {4, 5, 7, 6}};
-    double nearest = none;
+    double nearest = region.depth_max;
     std::vector<glm::dvec3> polygon, scratch;
     for (const auto& face : kFaces) {
         polygon.clear();
@@ -94,7 +97,7 @@ double find_nearest_depth(const OrientedBox& box, const std::array<Side, 4>& sid
         for (const Side& side : sides) clip(polygon, side, scratch);
         for (const glm::dvec3& p : polygon) nearest = std::min(nearest, -p.z);
     }
-    return std::max(nearest, 0.0);
+    return region.perspective ? std::max(nearest, 0.0) : nearest;
 }
 
 }  // namespace
@@ -114,10 +117,8 @@ ViewCasters find_view_casters(const Scene& scene, const Light& light, const View
             const OrientedBox box(bounds, region.ls_from_ws * instance.world_from_object);
             if (!touches(box, region, sides)) continue;
             part.instances.push_back(std::uint32_t(i));
-            const double depth = -box.span({0, 0, 1}).high;
-            if (depth >= part.nearest) continue;
-            part.nearest =
-                region.perspective ? std::min(part.nearest, find_nearest_depth(box, sides, part.nearest)) : depth;
+            if (-box.span({0, 0, 1}).high < part.nearest)
+                part.nearest = std::min(part.nearest, find_nearest_depth(box, region, sides));
         }
     };
     if (threads)

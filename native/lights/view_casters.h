@@ -18,7 +18,7 @@ struct ViewRegion {
     bool perspective = true;
     glm::dmat4 ls_from_ws{1.0};
     Interval u, v;         ///< as in ReceiverScan
-    double depth_max = 0;  ///< of the receivers
+    double depth_max = 0;  ///< of the receivers, with a margin: what lies beyond casts on nothing
 };
 
 struct ViewCasters {
