@@ -21,6 +21,7 @@ from .scene_export import SceneExporter, export_for_render
 from .snapshot import SceneSnapshot
 
 _POLL_S = 0.03  # how often Esc is looked for
+_STATS_S = 0.25  # how often the status line changes; in the background each change is a line of the log
 _exporters: dict[tuple[str, str], SceneExporter] = {}
 _logged_in_animation: set[str] = set()
 
@@ -91,6 +92,8 @@ class FinalRender:
         """Renders and publishes. Reports errors; raises nothing."""
         engine = self._engine
         width, height = engine.resolution_x, engine.resolution_y
+        if self._error is None:
+            passes.add_all(engine, passes.plan(self._snapshot), self._view_layer)
         result = engine.begin_result(0, 0, width, height, layer=self._view_layer)
         problem, frame = self._error, None
         try:
@@ -112,9 +115,8 @@ class FinalRender:
             self._finish(frame)
 
     def _render_into(self, result: Any) -> capture.CapturedFrame:
-        engine, snapshot = self._engine, self._snapshot
+        snapshot = self._snapshot
         planned = passes.plan(snapshot)
-        passes.add_missing(engine, result, self._view_layer, planned)
         target = result.layers[0].passes
         region = snapshot.render.region
         if (result.resolution_x, result.resolution_y) != region[2:]:
@@ -203,9 +205,9 @@ class FinalRender:
                 worker.join(_POLL_S)
 
     def _follow(self, events: queue.SimpleQueue, on_layer: Any, token: bridge.CancelToken) -> Any:
-        engine = self._engine
+        engine, shown = self._engine, 0.0
         while True:
-            if token.cancelled or engine.test_break():
+            if token.cancelled or self._stop_wanted():
                 token.cancel()
             try:
                 kind, value = events.get(timeout=_POLL_S)
@@ -217,9 +219,13 @@ class FinalRender:
                 raise value
             if kind == "layer" and not token.cancelled:
                 on_layer(value)
-            elif kind == "progress":
+            elif kind == "progress" and time.monotonic() - shown > _STATS_S:
+                shown = time.monotonic()
                 engine.update_progress(min(max(value[0], 0.0), 1.0))
                 engine.update_stats("", f"Shadow Layers | {value[1]}")
+
+    def _stop_wanted(self) -> bool:
+        return self._engine.test_break()
 
     def _finish(self, frame: capture.CapturedFrame) -> None:
         """After publishing: metadata, warnings, captures."""

@@ -36,12 +36,11 @@ def plan(snapshot: SceneSnapshot) -> list[jobs.PlannedPass]:
     return jobs.plan_passes([light.name for light in snapshot.lights], snapshot.jobs)
 
 
-def add_missing(engine: Any, result: Any, view_layer: str, planned: Iterable[jobs.PlannedPass]) -> None:
-    """Adds the passes that could not be announced (lights that only the evaluated scene has)."""
-    there = {item.name for item in result.layers[0].passes}
+def add_all(engine: Any, planned: Iterable[jobs.PlannedPass], view_layer: str) -> None:
+    """Adds the passes to the render's result, before its `begin_result`. Announced ones are there already and stay
+    single; those of lights that only the evaluated scene has (geometry nodes, particles) come into being."""
     for item in planned:
-        if item.name not in there:
-            engine.add_pass(item.name, item.channels, _LAYOUT[item.channels][0], layer=view_layer)
+        engine.add_pass(item.name, item.channels, _LAYOUT[item.channels][0], layer=view_layer)
 
 
 def write(passes: Any, name: str, pixels: np.ndarray) -> None:

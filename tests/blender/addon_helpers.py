@@ -125,6 +125,7 @@ def read_exr(path: Path) -> tuple[dict[str, np.ndarray], dict[str, object]]:
     assert not data[5] & 0x12, "multi-part or deep: not read here"
     attributes, at = _read_header(data, 8)
     channels = _channel_list(attributes["channels"][1])
+    assert len({name for name, _ in channels}) == len(channels), "a channel is there twice"
     assert attributes["compression"][1] == b"\0", "write with codec NONE"
     x0, y0, x1, y1 = struct.unpack("<4i", attributes["dataWindow"][1])
     width, height = x1 - x0 + 1, y1 - y0 + 1
