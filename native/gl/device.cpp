@@ -12,8 +12,10 @@
 namespace shadow_layers::gl {
 namespace {
 
-void GLAD_API_PTR on_debug_message(GLenum, GLenum type, GLuint, GLenum severity, GLsizei, const GLchar* message,
+void GLAD_API_PTR on_debug_message(GLenum source, GLenum type, GLuint, GLenum severity, GLsizei, const GLchar* message,
                                    const void* user) {
+    // The compiler's messages come with ShaderError, at the right file and line.
+    if (source == GL_DEBUG_SOURCE_SHADER_COMPILER) return;
     if (type != GL_DEBUG_TYPE_ERROR || severity == GL_DEBUG_SEVERITY_NOTIFICATION) return;
     auto& text = *static_cast<std::string*>(const_cast<void*>(user));
     if (text.size() < 2000) text += std::string(text.empty() ? "" : "; ") + message;
