@@ -112,7 +112,7 @@ def make_parser() -> argparse.ArgumentParser:
     add("--threads", metavar="N", type=parse_count(1, 256), help="CPU threads (default: all cores)")
     add("--backend", choices=("auto", "osmesa", "egl"), help="where the maps are drawn (default: as set in the file)")
     add("--repeat", metavar="N", type=parse_count(1, 1000), default=1,
-        help="compare: render the layers N times; times are the medians without the first")  # fmt: skip
+        help="compare: render N times; the later ones' median, with maps cached, is told too")  # fmt: skip
     add = parser.add_argument_group("where to").add_argument
     add("--out", metavar="DIR", type=Path, default=Path("shadow_layers"), help="folder (default: shadow_layers)")
     add("--json", metavar="FILE", type=Path, help="the list of results (default: render.json, comparison.json in DIR)")

@@ -100,13 +100,15 @@ def get_channel(layer: CapturedLayer, view_layer: str, output: str) -> str:
     return f"{view_layer}.{layer.pass_names[output]}.{letters}"
 
 
-def sum_times(times: Sequence[dict[str, Any]], key: str) -> dict[str, float]:
-    """Milliseconds by stage; stages without such a time (-1) are left out."""
-    sums: dict[str, float] = {}
+def sum_times(times: Sequence[dict[str, Any]]) -> dict[str, dict[str, float | None]]:
+    """Milliseconds by stage: CPU wall time, and GL time where GL ran (else None)."""
+    sums: dict[str, dict[str, float | None]] = {}
     for entry in times:
-        if float(entry[key]) >= 0:
-            sums[str(entry["stage"])] = sums.get(str(entry["stage"]), 0.0) + float(entry[key])
-    return {stage: round(value, 4) for stage, value in sums.items()}
+        stage = sums.setdefault(str(entry["stage"]), {"cpu": 0.0, "gl": None})
+        stage["cpu"] = round(float(stage["cpu"] or 0.0) + float(entry["cpu_ms"]), 4)
+        if float(entry["gl_ms"]) >= 0:
+            stage["gl"] = round(float(stage["gl"] or 0.0) + float(entry["gl_ms"]), 4)
+    return sums
 
 
 def describe_layer(layer: CapturedLayer, light_kind: str, frame: int, view_layer: str) -> dict[str, Any]:
@@ -118,8 +120,7 @@ def describe_layer(layer: CapturedLayer, light_kind: str, frame: int, view_layer
         "frame": frame,
         "view_layer": view_layer,
         "settings": layer.parameters,
-        "time_ms": sum_times(layer.times, "cpu_ms"),
-        "gl_ms": sum_times(layer.times, "gl_ms"),
+        "time_ms": sum_times(layer.times),
         "total_ms": round(layer.total_ms, 4),
         "counters": layer.counters,
     }
@@ -135,7 +136,7 @@ def describe_frame(frame: CapturedFrame, render_ms: float) -> dict[str, Any]:
         "triangles": frame.snapshot.triangle_count,
         "instances": frame.snapshot.instance_count,
         "render_ms": round(render_ms, 4),
-        "time_ms": sum_times(frame.times, "cpu_ms"),
+        "time_ms": sum_times(frame.times),
         "addon_ms": {stage: round(value, 4) for stage, value in frame.addon_ms.items()},
         "total_ms": round(frame.total_ms, 4),
         "warnings": frame.warnings,
@@ -193,7 +194,7 @@ class _Outputs:
 
 
 def run_render(options: argparse.Namespace, progress: Progress) -> None:
-    scene, layers = set_up(options)
+    scene, layers = set_up(options, progress)
     folder = make_output_folder(options.out)
     set_exr_output(scene)
     document = make_document(RENDER_SCHEMA, RENDER_SCHEMA_VERSION, scene)

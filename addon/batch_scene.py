@@ -13,7 +13,7 @@ from typing import Any
 import bpy
 
 from . import bridge, jobs, properties
-from .batch_files import BatchError
+from .batch_files import BatchError, Progress
 from .engine import ENGINE_ID
 
 TRUE_WORDS = {"1", "true", "yes", "on"}
@@ -202,9 +202,13 @@ def get_frames(scene: bpy.types.Scene, options: argparse.Namespace) -> list[int]
     return [scene.frame_current] if options.frames is None else list(options.frames)
 
 
-def set_up(options: argparse.Namespace) -> tuple[bpy.types.Scene, list[bpy.types.ViewLayer]]:
+def set_up(options: argparse.Namespace, progress: Progress) -> tuple[bpy.types.Scene, list[bpy.types.ViewLayer]]:
     """Opens the file and puts all options into it. Raises BatchError and ShadowLayersError."""
-    open_file(options)
+    if options.file is None:
+        open_file(options)
+    else:
+        with progress.step(f"opening {options.file}"):
+            open_file(options)
     scene = choose_scene(options)
     layers = choose_view_layers(scene, options)
     choose_camera(scene, options)

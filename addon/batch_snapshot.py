@@ -16,7 +16,7 @@ SNAPSHOT_SCHEMA, SNAPSHOT_SCHEMA_VERSION = "shadow-layers-snapshots", 1
 def run_snapshot(options: argparse.Namespace, progress: Progress) -> None:
     """Writes a snapshot for each frame and view layer. The scene is exported as for a render, so it is rendered too:
     what can't be rendered is said here and not where the file is used."""
-    scene, layers = set_up(options)
+    scene, layers = set_up(options, progress)
     folder = make_output_folder(options.out)
     namer = FileNamer()
     records = []

@@ -38,15 +38,15 @@ a { color: var(--accent); text-decoration: none; } a:hover { text-decoration: un
 .rail { display: inline-block; width: 90px; text-align: left; }
 .head { display: flex; flex-wrap: wrap; align-items: baseline; gap: 2px 14px; margin-bottom: 12px; }
 .head span { color: var(--soft); font-size: 13px; }
-.grid { display: grid; gap: 14px; grid-template-columns: repeat(auto-fit, minmax(min(380px, 100%), 1fr)); }
-.pair { display: grid; gap: 14px; grid-template-columns: minmax(0, 1fr) minmax(0, 1fr); margin-top: 14px;
-  border-top: 1px solid var(--line); padding-top: 14px; }
-@media (max-width: 900px) { .pair { grid-template-columns: 1fr; } }
+.row { margin-top: 16px; border-top: 1px solid var(--line); padding-top: 12px; }
+.row h3 { font-size: 16px; }
+.three { display: grid; gap: 12px; grid-template-columns: repeat(3, minmax(0, 1fr)); }
+@media (max-width: 900px) { .three { grid-template-columns: 1fr; } .again { display: none; } }
 figure { margin: 0; min-width: 0; }
 figcaption { font-size: 13px; color: var(--soft); margin-bottom: 5px; }
 figcaption b { color: var(--ink); }
 .view { position: relative; overflow: hidden; background: var(--well); border-radius: 6px; cursor: zoom-in;
-  touch-action: pan-y; }
+  touch-action: pan-y; outline: 1px solid var(--line); outline-offset: -1px; }
 .view.zoomed { cursor: grab; touch-action: none; } .view.dragging { cursor: grabbing; }
 .view img { display: block; width: 100%; transform-origin: 0 0; user-select: none; -webkit-user-drag: none; }
 .view.zoomed img { image-rendering: pixelated; }
@@ -67,6 +67,7 @@ footer { max-width: 1680px; margin: 0 auto; padding: 0 24px 30px; color: var(--s
 SCRIPT = """
 for (const group of document.querySelectorAll('[data-zoom]')) {
   const views = [...group.querySelectorAll('.view')];
+  for (const image of group.querySelectorAll('.again img')) image.src = views[0].firstElementChild.src;
   const state = { zoom: 1, x: 0, y: 0 };          // x, y: left upper corner in widths and heights of the picture
   const show = () => {
     const room = 1 - 1 / state.zoom;

@@ -33,6 +33,7 @@ CAUSE_LABELS = {
 
 NOTHING = "\N{EN DASH}"
 TIMES = "\N{MULTIPLICATION SIGN}"
+EMPTY_VIEW = '<div class="view"><img alt="truth" draggable="false"></div>'
 
 
 @dataclass
@@ -132,7 +133,7 @@ def make_summary(lights: Sequence[LightEntry], has_flip: bool) -> str:
                 row += f"<td>{NOTHING if flip is None else f'{flip:.4f}'}</td>"
             row += f"<td>{format_ms(record['total_ms'])}</td><td>{format_ms(record['truth_ms'].get('total'))}</td>"
             row += f"<td>{format_ratio(record)}</td>"
-            rows.append(f"<tr{' class=best' if entry is best else ''}>{row}</tr>")
+            rows.append(f'<tr class="{"best" if entry is best else ""}">{row}</tr>')
     head = "".join(
         f'<th class="{"" if name in helps else "text"}" title="{escape(helps.get(name, ""))}">{escape(name)}</th>'
         for name in heads
@@ -174,11 +175,11 @@ def make_numbers(record: Mapping[str, Any]) -> str:
     )
     if record.get("flip") is not None:
         measures += f'<tr><th class="text">FLIP</th><td>{record["flip"]:.4f}</td></tr>'
-    stages = "".join(
-        f'<tr><th class="text">{escape(stage)}</th><td>{format_ms(value)}</td></tr>'
-        for stage, value in record["time_ms"].items()
+    stages = "<tr><th></th><th>CPU</th><th>GL</th></tr>" + "".join(
+        f'<tr><th class="text">{escape(stage)}</th><td>{format_ms(ms["cpu"])}</td><td>{format_ms(ms["gl"])}</td></tr>'
+        for stage, ms in record["time_ms"].items()
     )
-    stages += f'<tr><th class="text">layer</th><td><b>{format_ms(record["total_ms"])}</b></td></tr>'
+    stages += f'<tr><th class="text">whole layer</th><td><b>{format_ms(record["total_ms"])}</b></td><td></td></tr>'
     pixels = f'<tr><th class="text">compared</th><td>{record["pixel_count"]:,}</td></tr>' + "".join(
         f'<tr><th class="text">{CAUSE_LABELS[cause]}</th><td>{record["excluded"][cause]:,}</td></tr>'
         for cause in EXCLUSION_CAUSES
@@ -193,16 +194,21 @@ def make_numbers(record: Mapping[str, Any]) -> str:
 
 
 def make_light_section(index: int, light: LightEntry) -> str:
-    pairs = []
-    for entry in light.techniques:
+    """Truth, layer and difference side by side for each technique. The truth is embedded once; the script shows it in
+    the other rows."""
+    truth = make_figure(light.truth_png, "truth", "Cycles; grey is not compared")
+    rows = []
+    for number, entry in enumerate(light.techniques):
         record = entry.record
         fraction = record["measures"]["misclassified_fraction"]
         wrong = "nothing to compare" if fraction is None else f"{100 * fraction:.3f} % wrong"
-        pairs.append(
-            f'<div class="pair" id="{make_anchor(index, record["technique"])}">'
-            + make_figure(entry.layer_png, record["technique"], "layer")
+        again = f'<figure class="again"><figcaption><b>truth</b></figcaption>{EMPTY_VIEW}</figure>'
+        rows.append(
+            f'<div class="row" id="{make_anchor(index, record["technique"])}"><h3>{escape(record["technique"])}</h3>'
+            f'<div class="three">{truth if number == 0 else again}'
+            + make_figure(entry.layer_png, "layer", "1 (white) is lit")
             + make_figure(entry.difference_png, "difference", wrong)
-            + f"</div>{make_numbers(record)}"
+            + f"</div>{make_numbers(record)}</div>"
         )
     first = light.techniques[0].record if light.techniques else {}
     truth_ms = format_ms(first.get("truth_ms", {}).get("total"))
@@ -210,8 +216,7 @@ def make_light_section(index: int, light: LightEntry) -> str:
     return (
         f'<section class="card" data-zoom><div class="head"><h2>{escape(light.name)}</h2>'
         f"<span>{escape(light.kind.lower())} light, frame {light.frame}, Cycles mask {truth_ms}{cached}</span></div>"
-        f'<div class="grid">{make_figure(light.truth_png, "truth", "Cycles, grey: not compared")}</div>'
-        f"{make_legend()}{''.join(pairs)}</section>"
+        f"{make_legend()}{''.join(rows)}</section>"
     )
 
 
@@ -237,7 +242,7 @@ def build_page(
 <main><section class="card">{make_summary(lights, has_flip)}{note_lines}
 <details><summary>What the columns mean</summary><table>{measures}</table>
 <p>Layer: time of the layer alone, without the frame that all layers share. Cycles: its two renders of the visibility
-mask. Ratio: Cycles / layer. Measures run over the pixels in which both see the same face and it is turned to the
+mask. Ratio: Cycles / layer. A stage that several techniques share counts for the first of them. Measures run over the pixels in which both see the same face and it is turned to the
 light.</p></details></section>
 <p class="note">Click a picture to zoom in, drag to move, wheel to zoom further, <kbd>Esc</kbd> to see it whole. All
 pictures of a light move together.</p>

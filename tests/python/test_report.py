@@ -129,7 +129,8 @@ def make_record(technique, wrong=0.01, **changes):
     return {
         "light": "Key <b>", "technique": technique, "frame": 1, "measures": values, "flip": None, "pixel_count": 1000,
         "excluded": {cause: 0 for cause in pixels.EXCLUSION_CAUSES} | {"background": 77},
-        "time_ms": {"depth_map": 3.5, "resolve": 1.25}, "total_ms": 4.75, "settings": {"map_size": 1024},
+        "time_ms": {"depth_map": {"cpu": 3.5, "gl": 1.5}, "fit": {"cpu": 1.25, "gl": None}},
+        "total_ms": 4.75, "settings": {"map_size": 1024},
         "truth_ms": {"shadows_on": 30.0, "shadows_off": 17.5, "total": 47.5}, "truth_cached": True, **changes,
     }  # fmt: skip
 
