@@ -6,6 +6,8 @@ from __future__ import annotations
 
 import atexit
 
+import bpy
+
 from . import bridge, engine, preferences, properties, ui
 
 _PARTS = (properties, preferences, engine, ui)
@@ -21,8 +23,10 @@ def register() -> None:
     except BaseException:
         unregister()
         raise
-    # Blender 4.5 hangs at exit while a Python engine is registered.
-    atexit.register(unregister)
+    if not bpy.app.binary_path:
+        # As a module, Blender 4.5 hangs at exit while a Python engine is registered. (The application has taken its
+        # types down by itself when Python gets to this.)
+        atexit.register(unregister)
 
 
 def unregister() -> None:

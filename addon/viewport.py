@@ -31,6 +31,11 @@ def close_all() -> None:
         view.close()
 
 
+def is_busy() -> bool:
+    """Whether any viewport waits for a picture that is being rendered, or has one that isn't drawn yet."""
+    return any(view.is_busy() for view in _open)
+
+
 @dataclass
 class _Picture:
     """A finished picture: RGBA float32 (h, w, 4), linear, premultiplied; or why there is none."""
@@ -136,6 +141,10 @@ class Viewport:
             worker.close()
         self._asked, self._texture = None, None
 
+    def is_busy(self) -> bool:
+        """Whether what is shown is not yet the last picture asked for."""
+        return self._worker is not None and (self._worker.is_busy() or self._worker.has_picture())
+
     def sync(self, context: bpy.types.Context, depsgraph: bpy.types.Depsgraph) -> None:
         """Reads the scene; the next draw asks for a picture of it."""
         self._asked = None
@@ -202,7 +211,7 @@ class Viewport:
         except ReferenceError:  # Blender has freed the engine
             self.close()
             return None
-        return _POLL_S if worker.is_busy() or worker.has_picture() else None
+        return _POLL_S if self.is_busy() else None
 
     def _set_status(self, text: str) -> None:
         if text == self._status:

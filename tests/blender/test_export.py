@@ -27,7 +27,7 @@ def scene(fresh_scene):
 
 
 def blender_triangles() -> np.ndarray:
-    """World triangles of everything visible, by Blender's own objects made real: an independent way to the same data."""
+    """World triangles of everything visible, vertex by vertex from Blender: an independent way to the same data."""
     depsgraph = bpy.context.evaluated_depsgraph_get()
     parts = [np.zeros((0, 3, 3))]
     for instance in depsgraph.object_instances:

@@ -146,5 +146,5 @@ def test_dof_and_motion_blur_are_named(scene):
 
 def test_no_camera_is_blenders_own_error(scene):
     scene.camera = None
-    with pytest.raises(RuntimeError, match="(?i)camera"):
+    with pytest.raises(RuntimeError, match=r"(?i)camera"):
         bpy.ops.render.render()
