@@ -12,20 +12,22 @@ from . import bridge, jobs, properties
 from .preferences import wrapped
 
 ENGINE_ID = "SHADOW_LAYERS"
-# Blender's panels made for any engine, less those that do nothing here.
+# Blender's panels made for any engine, less those that do nothing here. Panels of the node editor share their engine
+# set with the one in the Properties they were made from, so both names stand here.
 _EXCLUDED_PANELS = {
     "DATA_PT_light",
     "DATA_PT_area",
     "DATA_PT_spot",
     "DATA_PT_falloff_curve",
-    "RENDER_PT_simplify",
-    "RENDER_PT_stereoscopy",
+    "DATA_PT_preview",
+    "NODE_DATA_PT_light",
+    "NODE_DATA_PT_area",
+    "NODE_DATA_PT_spot",
     "VIEWLAYER_PT_filter",
     "VIEWLAYER_PT_layer_passes",
-    "RENDER_PT_freestyle",
-    "VIEWLAYER_PT_freestyle",
-    "VIEWLAYER_PT_freestyle_lineset",
+    "MATERIAL_PT_freestyle_line",
 }
+_EXCLUDED_PREFIXES = ("RENDER_PT_simplify", "RENDER_PT_freestyle", "RENDER_PT_stereoscopy", "VIEWLAYER_PT_freestyle")
 _PASSES_SHOWN = 40
 
 
@@ -60,8 +62,8 @@ def _draw_shared(layout: Any, owner: Any, used_by: list[dict[str, Any]]) -> None
 
 def _draw_problem(layout: Any, text: str) -> None:
     column = layout.box().column(align=True)
-    for number, line in enumerate(wrapped(text, 60)):
-        column.label(text=line, icon="NONE" if number else "ERROR")
+    for number, line in enumerate(wrapped(text, 56)):
+        column.label(text=line, icon="BLANK1" if number else "ERROR")
 
 
 class SHADOWLAYERS_PT_render(_EnginePanel, bpy.types.Panel):
@@ -85,6 +87,11 @@ class SHADOWLAYERS_PT_render(_EnginePanel, bpy.types.Panel):
         chosen = properties.chosen_techniques(context.scene)
         _draw_shared(layout.column(), settings, chosen)
         layout.prop(settings, "samples")
+        cycles = getattr(context.scene, "cycles", None)
+        if settings.samples > 1 and cycles is not None:
+            layout.prop(cycles, "pixel_filter_type", text="Pixel Filter")
+            if cycles.pixel_filter_type != "BOX":
+                layout.prop(cycles, "filter_width", text="Width (px)")
         if not chosen:
             layout.label(text="No technique is chosen", icon="INFO")
 
@@ -187,12 +194,33 @@ class SHADOWLAYERS_PT_passes(_EnginePanel, bpy.types.Panel):
             column.label(text=f"and {len(planned) - _PASSES_SHOWN} more")
 
 
+class SHADOWLAYERS_PT_ray_visibility(_EnginePanel, bpy.types.Panel):
+    """Who sees the object: the camera (it receives) and the lights (it casts)."""
+
+    bl_label = "Ray Visibility"
+    bl_context = "object"
+    bl_parent_id = "OBJECT_PT_visibility"
+
+    @classmethod
+    def poll(cls, context: bpy.types.Context) -> bool:
+        """Called by Blender."""
+        return context.object is not None and super().poll(context)
+
+    def draw(self, context: bpy.types.Context) -> None:
+        """Called by Blender."""
+        layout = self.layout
+        layout.use_property_split = True
+        layout.prop(context.object, "visible_camera", text="Camera")
+        layout.prop(context.object, "visible_shadow", text="Shadow")
+
+
 _PANELS = [
     SHADOWLAYERS_PT_render,
     SHADOWLAYERS_PT_performance,
     SHADOWLAYERS_PT_light,
     SHADOWLAYERS_PT_light_layers,
     SHADOWLAYERS_PT_passes,
+    SHADOWLAYERS_PT_ray_visibility,
 ]
 _registered: list[type] = []
 
@@ -209,8 +237,8 @@ def _technique_panel(info: dict[str, Any]) -> type:
         layout.use_property_decorate = False
         _draw_parameters(layout.column(), context.scene.shadow_layers, info)
         column = layout.column(align=True)
-        for number, line in enumerate(wrapped(info["limits"], 60)):
-            column.label(text=line, icon="NONE" if number else "INFO")
+        for number, line in enumerate(wrapped(info["limits"], 56)):
+            column.label(text=line, icon="BLANK1" if number else "INFO")
 
     body = {
         "__doc__": f"Parameters of {info['label']}",
@@ -231,7 +259,9 @@ def _compatible_panels() -> list[type]:
     return [
         panel
         for panel in bpy.types.Panel.__subclasses__()
-        if "BLENDER_RENDER" in getattr(panel, "COMPAT_ENGINES", ()) and panel.__name__ not in _EXCLUDED_PANELS
+        if "BLENDER_RENDER" in getattr(panel, "COMPAT_ENGINES", ())
+        and panel.__name__ not in _EXCLUDED_PANELS
+        and not panel.__name__.startswith(_EXCLUDED_PREFIXES)
     ]
 
 
