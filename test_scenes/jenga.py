@@ -66,20 +66,25 @@ def place_loose() -> list[Matrix]:
     return flat + leaning + crown
 
 
+def add_options(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("--hide-blocks", action="store_true", help="the camera sees only the table and the shadows on it")
+
+
 def build(options: argparse.Namespace) -> None:
     random = np.random.default_rng(17)
-    block = kit.rounded_box(kBlock, kBevel, steps=2)
+    shape = kit.rounded_box(kBlock, kBevel, steps=2)
     woods = [
         kit.new_material(f"Wood {k}", color)
         for k, color in enumerate([(0.72, 0.50, 0.27), (0.66, 0.43, 0.21), (0.78, 0.58, 0.34), (0.60, 0.37, 0.18)])
     ]
     meshes = []
     for k, wood in enumerate(woods):
-        mesh = kit.new_mesh(f"Block {k}", block)
+        mesh = kit.new_mesh(f"Block {k}", shape)
         mesh.materials.append(wood)
         meshes.append(mesh)
     for k, place in enumerate(place_tower(random) + place_loose()):
-        kit.add_object(f"Block {k:02d}", meshes[random.integers(len(meshes))], place=place)
+        block = kit.add_object(f"Block {k:02d}", meshes[random.integers(len(meshes))], place=place)
+        block.visible_camera = not options.hide_blocks
     half = 16.0
     axis = np.linspace(-half, half, kGroundCells + 1)
     x, y = np.meshgrid(axis, axis)
@@ -93,4 +98,4 @@ def build(options: argparse.Namespace) -> None:
 
 
 if __name__ in ("__main__", "<run_path>"):
-    kit.main(build, __doc__)
+    kit.main(build, __doc__, add_options)

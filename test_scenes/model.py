@@ -20,6 +20,7 @@ def add_options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--obj", required=True, type=Path, help="the model; only its vertices and faces are read")
     parser.add_argument("--light", choices=["spot", "sun", "point", "area"], default="spot", help="kind of the one light")
     parser.add_argument("--up", choices=["y", "z"], default="y", help="axis of the file that points up (default: y)")
+    parser.add_argument("--hide-model", action="store_true", help="the camera sees only the plane and the shadow on it")
     parser.add_argument("--turn", type=float, default=0.0, help="degrees about the vertical axis")
 
 
@@ -61,7 +62,8 @@ def build(options: argparse.Namespace) -> None:
     positions, triangles = read_obj(options.obj)
     shape = kit.Shape(place_on_ground(positions, options.up, options.turn), triangles)
     mesh = kit.new_mesh(options.obj.stem, shape)
-    kit.add_object(options.obj.stem, mesh, material=kit.new_material("Clay", (0.70, 0.42, 0.26)))
+    model = kit.add_object(options.obj.stem, mesh, material=kit.new_material("Clay", (0.70, 0.42, 0.26)))
+    model.visible_camera = not options.hide_model
     half = 40.0
     plane = kit.Shape([[-half, -half, 0], [half, -half, 0], [half, half, 0], [-half, half, 0]], [[0, 1, 2, 3]])
     kit.add_object("Plane", plane, material=kit.new_material("Plaster", (0.70, 0.69, 0.66)))

@@ -1,0 +1,210 @@
+#!/usr/bin/env python3
+# SPDX-FileCopyrightText: 2026 Shadow Layers contributors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Measures what the product claims, prints tables and keeps the numbers in out/measure/.
+
+    scripts/measure.py [NAME ...]      accuracy speed cycles export memory cancel   (nothing: all)
+
+Runs with the bpy 4.5 module. A figure over its bound is marked and makes the exit code 1. Times are ratios of medians
+within one process wherever the bound is a ratio; run it on a machine that does nothing else.
+"""
+
+import argparse
+import json
+import os
+import platform
+import subprocess
+import sys
+from dataclasses import dataclass, field
+from pathlib import Path
+
+root = Path(__file__).resolve().parent.parent
+out = root / "out" / "measure"
+models = root.parent / "shared" / "models"
+kWrongBounds = {"box": 0.05, "jenga": 0.15, "scorpion": 0.5}
+kPlaneBound = 0.2
+kAcneLeakBound = 0.0005
+
+
+@dataclass
+class Table:
+    title: str
+    columns: list[str]
+    rows: list[list[str]] = field(default_factory=list)
+    over: int = 0
+
+    def add(self, *cells: object, good: bool | None = None) -> None:
+        verdict = "" if good is None else "ok" if good else "OVER"
+        self.over += good is False
+        self.rows.append([*(str(cell) for cell in cells), verdict])
+
+    def print(self) -> None:
+        widths = [max(len(row[k]) for row in [[*self.columns, ""], *self.rows]) for k in range(len(self.columns) + 1)]
+        print(f"\n{self.title}")
+        for row in [[*self.columns, ""], *self.rows]:
+            print("  " + "  ".join(cell.ljust(width) for cell, width in zip(row, widths, strict=True)).rstrip())
+
+
+def env_python(name: str) -> str:
+    command = [root / "scripts" / "setup.sh", "--python", name]
+    return subprocess.run(command, check=True, capture_output=True, text=True).stdout.strip()
+
+
+def run(title: str, *arguments: object) -> None:
+    """Runs a script with the bpy module; its output goes to out/measure/log.txt and is shown where it fails."""
+    print(f"[measure] {title}", flush=True)
+    environment = {"SHADOW_LAYERS_NATIVE": str(build_folder() / "python"), **os.environ}
+    command = [env_python("bpy45"), *(str(argument) for argument in arguments)]
+    done = subprocess.run(command, capture_output=True, text=True, env=environment, check=False)
+    with (out / "log.txt").open("a", encoding="utf-8") as log:
+        log.write(f"$ {' '.join(command)}\n{done.stdout}{done.stderr}\n")
+    if done.returncode:
+        print("\n".join((done.stdout + done.stderr).splitlines()[-25:]), file=sys.stderr)
+        sys.exit(f"[measure] error: {title}: exit code {done.returncode} (above; {out / 'log.txt'})")
+
+
+def build_folder() -> Path:
+    return Path(os.environ.get("SHADOW_LAYERS_BUILD", root / "build" / "release")).resolve()
+
+
+def make_scene(name: str, script: str, *options: object) -> Path:
+    path = out / "scenes" / f"{name}.blend"
+    path.parent.mkdir(parents=True, exist_ok=True)
+    run(f"making scene {name}", root / "test_scenes" / f"{script}.py", path, *options)
+    return path
+
+
+def make_model(name: str, *options: object) -> Path | None:
+    """The scene of a model from the shared folder; None (said in a line) where that is not there."""
+    obj = models / f"{name}.obj"
+    if not obj.is_file():
+        print(f"[measure] {obj} is not there: left out")
+        return None
+    return make_scene("_".join([name, *(str(o).strip("-") for o in options)]), "model", "--obj", obj, *options)
+
+
+def in_blender(name: str, *scenes: Path) -> dict:
+    path = out / f"{name}.json"
+    run(f"measuring {name}", root / "scripts" / "measure_in_blender.py", name, path, *scenes)
+    return json.loads(path.read_text(encoding="utf-8"))
+
+
+def measure_accuracy() -> Table:
+    """Wrong pixels, acne and leak against Cycles at 1280 x 720 with maps of 1024."""
+    scenes = [make_scene(name, name) for name in ("box", "jenga", "hall", "fence", "studio", "city")]
+    scenes += [make_scene(f"box_{kind}", "box", "--light", kind) for kind in ("sun", "point", "area")]
+    planes = [make_scene("jenga_plane", "jenga", "--hide-blocks")]
+    for name in ("scorpion", "bunny_hr", "armadillo", "teapot"):
+        scenes.append(make_model(name))
+        planes.append(make_model(name, "--hide-model"))
+    table = Table("Wrong pixels against Cycles, 1280 x 720, maps of 1024 (percent of the compared pixels)",
+                  ["scene", "light", "sm", "pcf", "edsm", "edsm/sm", "bound", "most acne", "most leak"])  # fmt: skip
+    for path in filter(None, [*scenes, *planes]):
+        folder = out / "accuracy" / path.stem
+        run(f"comparing {path.stem}", root / "addon" / "batch.py", path, "compare", "--techniques", "sm,pcf,edsm",
+            "--resolution", "1280x720", "--map-size", 1024, "--out", folder)  # fmt: skip
+        records = json.loads((folder / "comparison.json").read_text(encoding="utf-8"))["records"]
+        bound = kPlaneBound if path in planes else kWrongBounds.get(path.stem.split("_")[0])
+        add_accuracy_rows(table, path.stem, records, bound)
+    return table
+
+
+def add_accuracy_rows(table: Table, scene: str, records: list[dict], bound: float | None) -> None:
+    for light in dict.fromkeys(record["light"] for record in records):
+        mine = {record["technique"]: record["measures"] for record in records if record["light"] == light}
+        wrong = {technique: measures["misclassified_fraction"] for technique, measures in mine.items()}
+        ratio = wrong["edsm"] / wrong["sm"] if wrong["sm"] else 0.0
+        acne = max(measures["acne_fraction"] for measures in mine.values())
+        leak = max(measures["leak_fraction"] for measures in mine.values())
+        good = max(acne, leak) <= kAcneLeakBound and (bound is None or ratio <= bound)
+        table.add(scene, light, *(f"{100 * wrong[t]:.4f}" for t in ("sm", "pcf", "edsm")), f"{ratio:.3f}",
+                  bound or "", f"{100 * acne:.4f}", f"{100 * leak:.4f}", good=good)  # fmt: skip
+
+
+def measure_speed() -> Table:
+    table = Table("Frame and layer, 1280 x 720, maps of 1024, camera and light moved each time (median ms)",
+                  ["scene", "sm", "pcf", "edsm", "edsm/sm", "bound"])  # fmt: skip
+    found = in_blender("speed", make_scene("jenga", "jenga"), make_scene("hall", "hall"))
+    for scene, bound in (("jenga", 1.5), ("hall", 2.0)):
+        median = {technique: values["median"] for technique, values in found[scene].items()}
+        ratio = median["edsm"] / median["sm"]
+        table.add(scene, *(f"{median[t]:.1f}" for t in ("sm", "pcf", "edsm")), f"{ratio:.2f}", bound, good=ratio <= bound)
+    return table
+
+
+def measure_cycles() -> Table:
+    table = Table("F12 to passes (sm, second frame on) against Cycles' visibility mask, 1280 x 720 (median ms)",
+                  ["scene", "F12", "Cycles", "Cycles/F12", "bound"])  # fmt: skip
+    scene = make_model("scorpion") or make_scene("hall", "hall")
+    values = in_blender("cycles", scene)[scene.stem]
+    ratio = values["cycles_ms"]["median"] / values["f12_ms"]["median"]
+    table.add(scene.stem, f"{values['f12_ms']['median']:.0f}", f"{values['cycles_ms']['median']:.0f}", f"{ratio:.1f}", 8,
+              good=ratio >= 8)  # fmt: skip
+    return table
+
+
+def measure_export() -> Table:
+    table = Table("Export from Blender and writing passes (ms)", ["what", "first", "later", "bound"])
+    found = in_blender("export")
+    for key, what, bound in (("million_triangles_ms", "triangles in one mesh", 500), ("instances_ms", "instances", 2000)):
+        values = found[key]
+        count = found["triangles"] if key.startswith("million") else values["instances"]
+        table.add(f"{count:,} {what}", f"{values['first']:.0f}", f"{values['median']:.0f}", bound, good=values["first"] <= bound)
+    write = found["write_layer_ms"]["median"]
+    table.add("one 1080p layer into its pass", "", f"{write:.1f}", 10, good=write <= 10)
+    return table
+
+
+def measure_memory() -> Table:
+    table = Table("Memory over 200 animated frames in one process (MB)", ["what", "frame 10", "100", "200", "growth"])
+    found = in_blender("memory", make_scene("studio", "studio"))
+    for key, what in (("resident", "process"), ("host_bytes", "core, host caches"), ("gpu_bytes", "core, GL objects")):
+        values = [value / 1e6 for value in found[key]]
+        settled, later = max(values[9:58]), max(values[152:])  # one whole period of the animation each
+        growth = later - settled
+        table.add(what, f"{values[9]:.1f}", f"{values[99]:.1f}", f"{values[199]:.1f}", f"{growth:+.1f}",
+                  good=growth <= (0.01 * settled if key == "resident" else 0))  # fmt: skip
+    return table
+
+
+def measure_cancel() -> Table:
+    table = Table("From cancel() to the end of the render, city, maps of 4096, 4 samples (ms)",
+                  ["renders cancelled", "median", "longest", "bound"])  # fmt: skip
+    found = in_blender("cancel", make_scene("city", "city"))
+    wait = found["wait_ms"]
+    table.add(f"{found['cancelled']} of {found['tried']}", f"{wait['median']:.0f}", f"{wait['most']:.0f}", 300,
+              good=wait["most"] <= 300 and found["cancelled"] >= 12)  # fmt: skip
+    return table
+
+
+kMeasures = {
+    "accuracy": measure_accuracy,
+    "speed": measure_speed,
+    "cycles": measure_cycles,
+    "export": measure_export,
+    "memory": measure_memory,
+    "cancel": measure_cancel,
+}
+
+
+def main() -> int:
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("names", nargs="*", metavar="NAME", help=f"of {', '.join(kMeasures)} (default: all)")
+    names = parser.parse_args().names or list(kMeasures)
+    unknown = set(names) - set(kMeasures)
+    if unknown:
+        parser.error(f"no measure {', '.join(sorted(unknown))}; there are {', '.join(kMeasures)}")
+    out.mkdir(parents=True, exist_ok=True)
+    print(f"[measure] {platform.machine()}, {os.cpu_count()} cores, load {os.getloadavg()[0]:.1f}")
+    tables = [kMeasures[name]() for name in names]
+    for table in tables:
+        table.print()
+    over = sum(table.over for table in tables)
+    document = [{"title": t.title, "columns": t.columns, "rows": t.rows} for t in tables]
+    (out / "tables.json").write_text(json.dumps(document, indent=1), encoding="utf-8")
+    print(f"\n[measure] {over} figures over their bounds; all numbers in {out.relative_to(root)}/")
+    return 1 if over else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
