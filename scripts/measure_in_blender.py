@@ -154,7 +154,8 @@ def repeat_export(scene) -> dict:
     times = [frame.addon_ms["export"] for frame in frames]
     sizes = np.array([len(mesh.triangles) for mesh in frames[0].snapshot.meshes])
     count = int(sizes[frames[0].snapshot.instance_mesh].sum())
-    return {"first": times[0], "median": statistics.median(times[1:]), "instances": len(frames[0].snapshot.instance_mesh),
+    return {"first": times[0], "median": statistics.median(times[1:]),
+            "instances": len(frames[0].snapshot.instance_mesh),
             "triangles": count}  # fmt: skip
 
 

@@ -104,7 +104,9 @@ def make_packages(out: Path) -> tuple[Path, Path]:
     extension = out / f"{kPackageName}-{version}-linux-x64.zip"
     legacy = out / f"{kPackageName}-{version}-linux-x64-blender-3.4.zip"
     write_zip(extension, files)
-    write_zip(legacy, {f"{kPackageName}/{name}": data for name, data in files.items() if name != "blender_manifest.toml"})
+    write_zip(
+        legacy, {f"{kPackageName}/{name}": data for name, data in files.items() if name != "blender_manifest.toml"}
+    )
     return extension, legacy
 
 

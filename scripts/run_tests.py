@@ -57,12 +57,14 @@ def env_python(name: str) -> str:
 
 def make_steps() -> list[Step]:
     tools, numpy2 = env_python("tools"), env_python("numpy2")
-    blender = str(root / "scripts" / "run_blender_tests.sh")
+    scripts = f"{root / 'scripts'}/"
+    blender = scripts + "run_blender_tests.sh"
     pytest = ["-m", "pytest", "-p", "no:cacheprovider"]
     return [
         Step("ruff", "Python style", [tools, "-m", "ruff", "check", "."], "check", ("build",), False),
-        Step("format", "C++ layout", [str(root / "scripts" / "format.sh"), "--check"], "check", ("test",), False),
-        Step("core", "core, without GL and with", ["ctest", "--test-dir", str(build), "--output-on-failure", "-j2"], "ctest"),
+        Step("format", "C++ layout", [scripts + "format.sh", "--check"], "check", ("test",), False),
+        Step("core", "core, without GL and with", ["ctest", "--test-dir", str(build), "--output-on-failure", "-j2"],
+             "ctest", ("test",)),
         Step("python", "Python outside Blender", [tools, *pytest, "tests/python"], "pytest", ("test",)),
         Step("numpy2", "native module with NumPy 2", [numpy2, *pytest, *sorted(
             str(p.relative_to(root)) for p in (root / "tests" / "python").glob("test_module*.py"))], "pytest", ("test",)),
@@ -96,7 +98,11 @@ def run_logged(step: Step) -> tuple[int, str, float]:
 
 def count_pytest(text: str) -> dict[str, int]:
     """Numbers of pytest's closing line ("3 failed, 10 passed, 2 skipped in 4.56s")."""
-    closing = [line for line in text.splitlines() if re.search(r"\b(passed|failed|error|errors|skipped|no tests ran)\b.* in [\d.]+s", line)]
+    closing = [
+        line
+        for line in text.splitlines()
+        if re.search(r"\b(passed|failed|error|errors|skipped|no tests ran)\b.* in [\d.]+s", line)
+    ]
     counts = dict.fromkeys(("passed", "failed", "skipped", "error"), 0)
     if closing:
         for number, word in re.findall(r"(\d+) (passed|failed|skipped|error)", closing[-1]):

@@ -22,7 +22,9 @@ kTarget = (0.4, 0.5, 0.5)
 
 
 def add_options(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument("--light", choices=["spot", "sun", "point", "area"], default="spot", help="kind of the one light")
+    parser.add_argument(
+        "--light", choices=["spot", "sun", "point", "area"], default="spot", help="kind of the one light"
+    )
 
 
 def add_key_light(kind: str) -> None:

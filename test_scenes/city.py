@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Shadow Layers contributors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""city: a street of instanced houses, trees, lamps and cars in the sun, over a million triangles; camera in the street."""
+"""city: a street of instanced houses, trees and cars in the sun, over a million triangles; camera in the street."""
 
 import argparse
 import math
@@ -24,9 +24,9 @@ kLeafCount = 4000
 def make_window(width: float, height: float) -> kit.Shape:
     """Frame, mullions, sill and lintel; the plane y = 0 is the wall, the street is at -y."""
     bar = 0.07
-    parts = [
-        kit.box((bar, 0.10, height), (x, -0.03, height / 2)) for x in (-width / 2, 0, width / 2)
-    ] + [kit.box((width, 0.08, bar), (0, -0.03, z)) for z in (bar / 2, height * 0.62, height - bar / 2)]
+    parts = [kit.box((bar, 0.10, height), (x, -0.03, height / 2)) for x in (-width / 2, 0, width / 2)] + [
+        kit.box((width, 0.08, bar), (0, -0.03, z)) for z in (bar / 2, height * 0.62, height - bar / 2)
+    ]
     parts.append(kit.box((width + 0.3, 0.34, 0.09), (0, -0.13, -0.05)))
     parts.append(kit.box((width + 0.24, 0.24, 0.16), (0, -0.09, height + 0.08)))
     slat = kit.box((0.34, 0.012, 0.09)).transformed(Matrix.Rotation(math.radians(35), 4, "X"))
@@ -65,8 +65,14 @@ def make_house(bays: int, floors: int, bay_m: float, balconies: bool, gable: boo
         trim.append(kit.box((0.16, 0.5, 0.22), (x, 0.0, height - 0.18)))
     if gable:
         rise = 3.2
-        ridge = [[-width / 2, 0, 0], [width / 2, 0, 0], [width / 2, depth / 2, rise], [-width / 2, depth / 2, rise],
-                 [-width / 2, depth, 0], [width / 2, depth, 0]]
+        ridge = [
+            [-width / 2, 0, 0],
+            [width / 2, 0, 0],
+            [width / 2, depth / 2, rise],
+            [-width / 2, depth / 2, rise],
+            [-width / 2, depth, 0],
+            [width / 2, depth, 0],
+        ]
         body.append(kit.Shape(ridge, [[0, 1, 2, 3], [3, 2, 5, 4]]).moved((0, 0.3, height + 0.27)))
         for x in (-width * 0.3, width * 0.22):
             body.append(kit.box((0.9, 0.7, 3.4), (x, depth * 0.4, height + 2.4)))
@@ -139,8 +145,13 @@ def place_kind(kind: bpy.types.Collection, place: Matrix) -> None:
 def line_up_houses(random: np.random.Generator) -> None:
     walls = [(0.62, 0.50, 0.36), (0.55, 0.30, 0.22), (0.66, 0.62, 0.54), (0.45, 0.47, 0.50), (0.68, 0.56, 0.30)]
     trim = kit.new_material("Trim", (0.70, 0.68, 0.63))
-    plans = [(4, 5, 3.0, True, False), (3, 4, 3.2, False, True), (5, 6, 2.6, True, False), (4, 3, 2.8, False, True),
-             (3, 6, 3.4, False, False)]
+    plans = [
+        (4, 5, 3.0, True, False),
+        (3, 4, 3.2, False, True),
+        (5, 6, 2.6, True, False),
+        (4, 3, 2.8, False, True),
+        (3, 6, 3.4, False, False),
+    ]
     kinds = []
     for k, (plan, color) in enumerate(zip(plans, walls, strict=True)):
         body, parts = make_house(*plan)
@@ -204,7 +215,9 @@ def build(options: argparse.Namespace) -> None:
     length = kStreetM + 40
     for sign in (-1, 1):
         kerb = kit.rounded_box((kPavementM + 12, length, 0.28), 0.02, 2)
-        kit.add_object("Pavement", kerb, material=slab, place=(sign * (kRoadM / 2 + kPavementM / 2 + 6), length / 2 - 30, 0))
+        kit.add_object(
+            "Pavement", kerb, material=slab, place=(sign * (kRoadM / 2 + kPavementM / 2 + 6), length / 2 - 30, 0)
+        )
     line_up_houses(random)
     line_the_street(random)
     add_landmark(kit.new_material("Stone", (0.58, 0.54, 0.46)), kit.new_material("Slate", (0.16, 0.20, 0.24)))

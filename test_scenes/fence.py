@@ -81,8 +81,11 @@ def make_vine(random: np.random.Generator) -> tuple[list[kit.Shape], list[kit.Sh
             turn = Euler((random.normal(0.9, 0.35), random.normal(0.2, 0.4), random.uniform(-math.pi, math.pi)))
             scale = Matrix.Scale(random.uniform(0.5, 1.15), 4)
             offset = random.normal(0, 0.025, 3)
-            leaves.append(make_leaf(0.11, 0.075).transformed(
-                Matrix.Translation(Vector(at + offset)) @ turn.to_matrix().to_4x4() @ scale))
+            leaves.append(
+                make_leaf(0.11, 0.075).transformed(
+                    Matrix.Translation(Vector(at + offset)) @ turn.to_matrix().to_4x4() @ scale
+                )
+            )
     return stems, leaves
 
 
@@ -98,10 +101,12 @@ def scatter_leaves(random: np.random.Generator) -> kit.Shape:
 
 def add_fence(metal) -> None:
     length = kPostGapM * (kPostCount - 1)
-    post = kit.joined([
-        kit.tube([(0, 0, -0.1), (0, 0, kFenceHeightM + 0.04)], 0.028, 20),
-        kit.turned([(0.034, 1.62), (0.034, 1.65), (0.03, 1.672), (0.018, 1.685), (0.002, 1.69)], 20),
-    ])
+    post = kit.joined(
+        [
+            kit.tube([(0, 0, -0.1), (0, 0, kFenceHeightM + 0.04)], 0.028, 20),
+            kit.turned([(0.034, 1.62), (0.034, 1.65), (0.03, 1.672), (0.018, 1.685), (0.002, 1.69)], 20),
+        ]
+    )
     mesh = kit.new_mesh("Post", post, smooth=False)
     mesh.materials.append(metal)
     for k in range(kPostCount):

@@ -42,12 +42,22 @@ def make_column() -> kit.Shape:
     )
     shaft = kit.Shape(positions.reshape(-1, 3), kit.grid(sides, kColumnRings, close_columns=True))
     swell = np.linspace(0, math.pi, 9)
-    base = [(0.30, 0.0), (0.30, 0.16), *zip(0.25 + 0.04 * np.sin(swell), 0.16 + 0.14 * swell / math.pi, strict=True),
-            (0.19, 0.36), (0.16, 0.44)]
+    base = [
+        (0.30, 0.0),
+        (0.30, 0.16),
+        *zip(0.25 + 0.04 * np.sin(swell), 0.16 + 0.14 * swell / math.pi, strict=True),
+        (0.19, 0.36),
+        (0.16, 0.44),
+    ]
     top = kHeightM
-    capital = [(0.13, top - 0.64), (0.17, top - 0.58), (0.15, top - 0.54),
-               *zip(0.15 + 0.14 * np.sin(swell / 2) ** 2, top - 0.52 + 0.24 * swell / math.pi, strict=True),
-               (0.30, top - 0.28), (0.30, top - 0.16)]
+    capital = [
+        (0.13, top - 0.64),
+        (0.17, top - 0.58),
+        (0.15, top - 0.54),
+        *zip(0.15 + 0.14 * np.sin(swell / 2) ** 2, top - 0.52 + 0.24 * swell / math.pi, strict=True),
+        (0.30, top - 0.28),
+        (0.30, top - 0.16),
+    ]
     return kit.joined([shaft, kit.turned(base, 48), kit.turned(capital, 48)])
 
 
@@ -69,8 +79,10 @@ def make_wall(sign: int) -> kit.Shape:
     """A wall with an opening in each bay: piers, parapet and lintel as boxes."""
     length = kBays * kBayM
     x = sign * (kHalfWidthM + kWallM / 2)
-    parts = [kit.box((kWallM, length, 0.98), (x, length / 2, 0.49)),
-             kit.box((kWallM, length, 1.5), (x, length / 2, kHeightM - 0.73))]
+    parts = [
+        kit.box((kWallM, length, 0.98), (x, length / 2, 0.49)),
+        kit.box((kWallM, length, 1.5), (x, length / 2, kHeightM - 0.73)),
+    ]
     for bay in range(kBays + 1):
         pier = 0.9 if 0 < bay < kBays else 0.45
         y = min(max(bay * kBayM, 0.225), length - 0.225)

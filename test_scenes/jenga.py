@@ -19,8 +19,13 @@ kLevelCount = 18
 kPulled = {(5, 0), (7, 2), (10, 1), (12, 0)}  # (level, place): drawn half out of the tower
 kMissing = {(3, 1), (6, 0), (9, 2), (11, 1), (13, 0), (14, 2)}  # taken out and lying about
 kLoose = [  # x, y, turn in degrees, tilt in degrees: on the table, two of them leaning on the tower
-    (0.85, -0.62, 24, 0), (1.30, 0.02, 71, 0), (0.74, -1.20, -38, 0), (-0.92, -0.72, 12, 0),
-    (-0.78, 0.56, 102, 0), (1.62, -0.78, -8, 0), (0.02, -1.24, 64, 0),
+    (0.85, -0.62, 24, 0),
+    (1.30, 0.02, 71, 0),
+    (0.74, -1.20, -38, 0),
+    (-0.92, -0.72, 12, 0),
+    (-0.78, 0.56, 102, 0),
+    (1.62, -0.78, -8, 0),
+    (0.02, -1.24, 64, 0),
 ]
 kLeaning = [(0.64, 0.05, 0, 62), (-0.10, -0.63, -90, 58)]
 kGroundCells = 7
@@ -67,7 +72,9 @@ def place_loose() -> list[Matrix]:
 
 
 def add_options(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument("--hide-blocks", action="store_true", help="the camera sees only the table and the shadows on it")
+    parser.add_argument(
+        "--hide-blocks", action="store_true", help="the camera sees only the table and the shadows on it"
+    )
 
 
 def build(options: argparse.Namespace) -> None:
@@ -91,8 +98,15 @@ def build(options: argparse.Namespace) -> None:
     table = kit.Shape(np.stack([x, y, np.zeros_like(x)], axis=-1), kit.grid(kGroundCells + 1, kGroundCells + 1))
     kit.add_object("Table", table, material=kit.new_material("Table", (0.55, 0.57, 0.58)))
     kit.add_light(
-        "SPOT", "Lamp", (-3.4, -3.4, 8.2), (0.6, 0.4, 0.8), 3000, color=(1.0, 0.91, 0.78),
-        spot_size=math.radians(46), spot_blend=0.35, shadow_soft_size=0.05,
+        "SPOT",
+        "Lamp",
+        (-3.4, -3.4, 8.2),
+        (0.6, 0.4, 0.8),
+        3000,
+        color=(1.0, 0.91, 0.78),
+        spot_size=math.radians(46),
+        spot_blend=0.35,
+        shadow_soft_size=0.05,
     )
     kit.add_camera((2.9, -6.6, 4.3), (0.62, 0.1, 1.42), lens_mm=37)
 

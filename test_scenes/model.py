@@ -18,7 +18,9 @@ kSizeM = 2.0  # largest extent of the model once placed
 
 def add_options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--obj", required=True, type=Path, help="the model; only its vertices and faces are read")
-    parser.add_argument("--light", choices=["spot", "sun", "point", "area"], default="spot", help="kind of the one light")
+    parser.add_argument(
+        "--light", choices=["spot", "sun", "point", "area"], default="spot", help="kind of the one light"
+    )
     parser.add_argument("--up", choices=["y", "z"], default="y", help="axis of the file that points up (default: y)")
     parser.add_argument("--hide-model", action="store_true", help="the camera sees only the plane and the shadow on it")
     parser.add_argument("--turn", type=float, default=0.0, help="degrees about the vertical axis")
@@ -75,9 +77,7 @@ def build(options: argparse.Namespace) -> None:
     }[options.light]
     energy = 3.0 if options.light == "sun" else 1100.0
     target = (0.3, 0.2, float(shape.positions[:, 2].max()) * 0.4)
-    kit.add_light(
-        options.light.upper(), "Key", (-2.7, -2.8, 4.8), target, energy, color=(1.0, 0.94, 0.84), **settings
-    )
+    kit.add_light(options.light.upper(), "Key", (-2.7, -2.8, 4.8), target, energy, color=(1.0, 0.94, 0.84), **settings)
     kit.add_camera((3.0, -5.0, 3.1), target, lens_mm=44)
 
 

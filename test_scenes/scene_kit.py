@@ -170,10 +170,7 @@ def tube(path: Sequence[Point], radius: float | Sequence[float], sides: int = 8,
     """A round tube along a path, open at its ends; `closed` joins the last ring to the first."""
     path = np.asarray(path, dtype=np.float64)
     count = len(path)
-    if closed:
-        tangent = np.roll(path, -1, axis=0) - np.roll(path, 1, axis=0)
-    else:
-        tangent = np.gradient(path, axis=0)
+    tangent = np.roll(path, -1, axis=0) - np.roll(path, 1, axis=0) if closed else np.gradient(path, axis=0)
     tangent /= np.linalg.norm(tangent, axis=1, keepdims=True)
     # Carry one frame along the path, so that the tube does not twist where the direction turns.
     side = np.empty_like(path)
@@ -263,7 +260,9 @@ def add_camera(place: Point, target: Point, *, lens_mm: float = 35.0, clip_end: 
     return camera
 
 
-def add_light(kind: str, name: str, place: Point, target: Point, energy: float, *, color: Point = (1, 1, 1), **settings):
+def add_light(
+    kind: str, name: str, place: Point, target: Point, energy: float, *, color: Point = (1, 1, 1), **settings
+):
     """kind: SUN, SPOT, POINT or AREA; settings are attributes of the light data (spot_size, shadow_soft_size, ...)."""
     data = bpy.data.lights.new(name, kind)
     data.energy, data.color = energy, color

@@ -135,7 +135,7 @@ def run_blender(
 
 @pytest.fixture(scope="session")
 def run_script() -> Callable[..., subprocess.CompletedProcess]:
-    """run_script(script, arguments, blend=None, check=True, timeout_s=120, env=None): another process of this Blender."""
+    """run_script(script, arguments, blend=None, check=True, timeout_s=120, env=None): runs it in another process."""
     return run_blender
 
 

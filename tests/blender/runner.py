@@ -1,11 +1,12 @@
 # SPDX-FileCopyrightText: 2026 Shadow Layers contributors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Runs the Blender suite inside the Blender that executes this file; scripts/run_blender_tests.sh is the way to start it.
+"""Runs the Blender suite inside the Blender that executes this file; scripts/run_blender_tests.sh starts it.
 
     blender -b --factory-startup --python-exit-code 1 -P tests/blender/runner.py -- [pytest options]
     python tests/blender/runner.py [pytest options]            (an environment with the bpy wheel)
 
-The process ends with os._exit: Blender 4.5 as a module can hang at interpreter exit, and an exit code must not get lost.
+The process ends with os._exit: Blender 4.5 as a module can hang at interpreter exit, and an exit code must not get
+lost.
 """
 
 import faulthandler
@@ -35,7 +36,16 @@ def run() -> int:
     import bpy
 
     print(f"runner: Blender {bpy.app.version_string}, Python {sys.version.split()[0]}", flush=True)
-    options = ["-p", "no:cacheprovider", "--rootdir", str(root), "-c", str(root / "pyproject.toml"), "-o", "addopts=-ra"]
+    options = [
+        "-p",
+        "no:cacheprovider",
+        "--rootdir",
+        str(root),
+        "-c",
+        str(root / "pyproject.toml"),
+        "-o",
+        "addopts=-ra",
+    ]
     chosen = own_arguments()
     if not any(Path(argument.split("::")[0]).exists() for argument in chosen if not argument.startswith("-")):
         chosen.append(str(tests_dir))
