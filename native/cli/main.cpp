@@ -10,7 +10,7 @@
 
 int main(int argc, char** argv) {
     using namespace shadow_layers;
-    constexpr int kFailed = 1, kUsageError = 2;
+    constexpr int kFailed = 1, kUsageError = 2, kInterrupted = 130;
     // A full disk (or a file size limit) is an error of the write, to be reported.
     std::signal(SIGXFSZ, SIG_IGN);
     cli::Options options;
@@ -32,6 +32,9 @@ int main(int argc, char** argv) {
                 cli::run_info(options);
                 break;
         }
+    } catch (const Cancelled&) {
+        std::fprintf(stderr, "interrupted; what was not whole yet was removed\n");
+        return kInterrupted;
     } catch (const std::bad_alloc&) {
         std::fprintf(stderr, "error: memory ran out; take a smaller scene, picture or map\n");
         return kFailed;

@@ -4,6 +4,7 @@
 #include <set>
 
 #include "cli/describe.h"
+#include "cli/interrupt.h"
 #include "cli/jobs.h"
 #include "cli/progress.h"
 #include "cli/verbs.h"
@@ -196,7 +197,9 @@ void run_render(const Options& options) {
     for (std::size_t i = said; i < file.warnings.size(); ++i)
         std::fprintf(stderr, "warning: %s\n", file.warnings[i].c_str());
     io::make_output_folder(options.out);
+    const HeldSignals signals;
     Session session(make_session_options(options));
+    const Interrupt interrupt(signals, [&] { session.cancel(); });
     RenderFiles files(options, file, request, session.info());
     Progress progress;
     const FrameResult result = session.render(

@@ -68,23 +68,25 @@ std::vector<std::uint8_t> quantise(const Image& image) {
 
 std::string get_channel_list(const ExrLayer& layer) { return layer.name + "." + channel_letters(layer.channels); }
 
+// OpenEXR writes multi-part files by name only, and loses what fails while it closes them. So the file is read back.
 struct ExrWriter::Impl {
     std::filesystem::path path;
-    OIIO::Filesystem::IOVecOutput bytes;
+    TemporaryFile file;
     std::vector<OIIO::ImageSpec> specs;
-    std::unique_ptr<OIIO::ImageOutput> output;  // after `bytes`: it is ended first
+    std::unique_ptr<OIIO::ImageOutput> output;  // after `file`: it is ended first
     std::size_t next = 0;
+
+    explicit Impl(std::filesystem::path final_path) : path(std::move(final_path)), file(path) {}
+    void read_back() const;
 };
 
 ExrWriter::ExrWriter(std::filesystem::path path, int full_width, int full_height, const PixelRect& region,
                      std::vector<ExrLayer> layers)
-    : impl_(std::make_unique<Impl>()) {
-    impl_->path = std::move(path);
+    : impl_(std::make_unique<Impl>(std::move(path))) {
     for (const ExrLayer& layer : layers) impl_->specs.push_back(make_spec(layer, full_width, full_height, region));
     impl_->output = OIIO::ImageOutput::create("layers.exr");
     if (!impl_->output) fail(impl_->path, "OpenImageIO has no EXR writer: " + OIIO::geterror());
-    impl_->output->set_ioproxy(&impl_->bytes);
-    if (!impl_->output->open("layers.exr", int(impl_->specs.size()), impl_->specs.data())) {
+    if (!impl_->output->open(impl_->file.name().string(), int(impl_->specs.size()), impl_->specs.data())) {
         fail(impl_->path, impl_->output->geterror());
     }
 }
@@ -99,20 +101,36 @@ void ExrWriter::write(const Image& image) {
         fail(impl.path, "internal: layer " + std::to_string(impl.next) + " is not of the announced size");
     }
     OIIO::ImageOutput& output = *impl.output;
-    if (impl.next > 0 && !output.open("layers.exr", spec, OIIO::ImageOutput::AppendSubimage)) {
+    if (impl.next > 0 && !output.open(impl.file.name().string(), spec, OIIO::ImageOutput::AppendSubimage)) {
         fail(impl.path, output.geterror());
     }
     const auto row_bytes = OIIO::stride_t(std::size_t(image.width) * std::size_t(image.channels) * sizeof(float));
     const auto* top_row = reinterpret_cast<const char*>(image.data.data()) + row_bytes * (image.height - 1);
-    if (!output.write_image(OIIO::TypeDesc::FLOAT, top_row, OIIO::AutoStride, -row_bytes))
-        fail(impl.path, output.geterror());
+    if (!output.write_image(OIIO::TypeDesc::FLOAT, top_row, OIIO::AutoStride, -row_bytes)) {
+        fail(impl.path, output.geterror() + "; choose another folder, or free its disk");
+    }
     ++impl.next;
+}
+
+void ExrWriter::Impl::read_back() const {
+    const std::string remedy = "; choose another folder, or free its disk";
+    const auto input = OIIO::ImageInput::open(file.name().string());
+    if (!input) fail(path, "what was written cannot be read: " + OIIO::geterror() + remedy);
+    std::vector<float> pixels;
+    for (std::size_t part = 0; part < specs.size(); ++part) {
+        pixels.resize(specs[part].image_pixels() * std::size_t(specs[part].nchannels));
+        if (!input->read_image(int(part), 0, 0, specs[part].nchannels, OIIO::TypeDesc::FLOAT, pixels.data())) {
+            fail(path, "what was written cannot be read: " + input->geterror() + remedy);
+        }
+    }
 }
 
 void ExrWriter::finish() {
     if (impl_->next != impl_->specs.size()) fail(impl_->path, "internal: fewer layers than announced");
     if (!impl_->output->close()) fail(impl_->path, impl_->output->geterror());
-    write_whole_file(impl_->path, std::as_bytes(std::span(impl_->bytes.buffer())));
+    impl_->output.reset();
+    impl_->read_back();
+    impl_->file.finish();
 }
 
 void write_png(const std::filesystem::path& path, const Image& image) {

@@ -22,8 +22,9 @@ struct ExrLayer {
 /// The channels of a layer as the add-on lists them: "NAME.X", "NAME.RGB", "NAME.RGBA".
 std::string get_channel_list(const ExrLayer& layer);
 
-/// A multi-part EXR (float, ZIP), written layer by layer, so that a picture can be dropped once it is given. Only its
-/// compressed bytes are held until finish() writes the file whole (FileError if that fails).
+/// A multi-part EXR (float, ZIP), written layer by layer, so that a picture can be dropped once it is given. It grows
+/// under a temporary name beside its own; finish() reads it back, to be sure that all of it reached the disk, and gives
+/// it its name. Everything throws FileError.
 class ExrWriter {
 public:
     /// `region` is the part of the full picture that the layers hold (row 0 at the bottom).

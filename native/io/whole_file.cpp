@@ -20,45 +20,35 @@ namespace {
                     "; choose another folder, or free its disk");
 }
 
-// A file of its own beside `path`, removed again unless it was renamed.
-class TemporaryFile {
-public:
-    explicit TemporaryFile(const std::filesystem::path& path) : path_(path) {
-        name_ = path.parent_path() / (".shadow-layers-" + std::to_string(getpid()) + "-" + path.filename().string());
-        descriptor_ = ::open(name_.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666);
-        if (descriptor_ < 0) fail(path_, errno);
-    }
-    ~TemporaryFile() {
-        if (descriptor_ >= 0) ::close(descriptor_);
-        if (!renamed_) ::unlink(name_.c_str());
-    }
-    TemporaryFile(const TemporaryFile&) = delete;
-    TemporaryFile& operator=(const TemporaryFile&) = delete;
-
-    void write(std::span<const std::byte> bytes) {
-        while (!bytes.empty()) {
-            const ssize_t written = ::write(descriptor_, bytes.data(), bytes.size());
-            if (written < 0 && errno == EINTR) continue;
-            if (written < 0) fail(path_, errno);
-            bytes = bytes.subspan(std::size_t(written));
-        }
-    }
-
-    // Some file systems tell of a full disk only here.
-    void finish() {
-        if (::fsync(descriptor_) != 0 && errno != EINVAL) fail(path_, errno);
-        if (::close(std::exchange(descriptor_, -1)) != 0) fail(path_, errno);
-        if (::rename(name_.c_str(), path_.c_str()) != 0) fail(path_, errno);
-        renamed_ = true;
-    }
-
-private:
-    std::filesystem::path path_, name_;
-    int descriptor_ = -1;
-    bool renamed_ = false;
-};
-
 }  // namespace
+
+TemporaryFile::TemporaryFile(std::filesystem::path path) : path_(std::move(path)) {
+    name_ = path_.parent_path() / (".shadow-layers-" + std::to_string(getpid()) + "-" + path_.filename().string());
+    descriptor_ = ::open(name_.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666);
+    if (descriptor_ < 0) fail(path_, errno);
+}
+
+TemporaryFile::~TemporaryFile() {
+    if (descriptor_ >= 0) ::close(descriptor_);
+    if (!renamed_) ::unlink(name_.c_str());
+}
+
+void TemporaryFile::write(std::span<const std::byte> bytes) {
+    while (!bytes.empty()) {
+        const ssize_t written = ::write(descriptor_, bytes.data(), bytes.size());
+        if (written < 0 && errno == EINTR) continue;
+        if (written < 0) fail(path_, errno);
+        bytes = bytes.subspan(std::size_t(written));
+    }
+}
+
+void TemporaryFile::finish() {
+    // Some file systems tell of a full disk only here. EINVAL: what cannot be synced.
+    if (::fsync(descriptor_) != 0 && errno != EINVAL) fail(path_, errno);
+    if (::close(std::exchange(descriptor_, -1)) != 0) fail(path_, errno);
+    if (::rename(name_.c_str(), path_.c_str()) != 0) fail(path_, errno);
+    renamed_ = true;
+}
 
 void write_whole_file(const std::filesystem::path& path, std::span<const std::byte> bytes) {
     TemporaryFile file(path);
