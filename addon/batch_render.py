@@ -13,7 +13,7 @@ from typing import Any
 import bpy
 import numpy as np
 
-from . import bridge, engine, jobs
+from . import bridge, engine, exr_check, jobs
 from .batch_done import DoneBefore, Wanted
 from .batch_files import BatchError, FileNamer, Progress, make_output_folder, whole_file, write_bytes, write_json
 from .batch_scene import get_frames, set_up
@@ -23,7 +23,6 @@ from .compare.png import encode_png
 from .names import COVERAGE_PASS
 
 RENDER_SCHEMA, RENDER_SCHEMA_VERSION = "shadow-layers-render", 1
-EXR_SIGNATURE = b"\x76\x2f\x31\x01"
 CHANNEL_LETTERS = {1: "X", 3: "RGB", 4: "RGBA"}
 
 
@@ -76,19 +75,16 @@ def set_exr_output(scene: bpy.types.Scene) -> None:
     scene.render.use_overwrite, scene.render.use_placeholder = True, False
 
 
-def check_exr(path: Path, size: tuple[int, int], final: Path) -> None:
-    """Raises BatchError unless the file is a whole EXR of that size: Blender doesn't tell of a full disk."""
+def check_file(path: Path, final: Path, channels: Sequence[str]) -> None:
+    """Raises BatchError unless the file is a whole EXR with all these channels: Blender doesn't tell of a full disk."""
     try:
-        with open(path, "rb") as file:
-            is_exr = file.read(4) == EXR_SIGNATURE
+        header = exr_check.check_exr(path)
+        missing = [name for name in channels if name not in header.channels]
+        problem = f'it has no channel "{missing[0]}"' if missing else ""
     except FileNotFoundError:
-        is_exr = False
-    problem = "" if is_exr else "Blender wrote no EXR"
-    if is_exr:
-        image = bpy.data.images.load(str(path), check_existing=False)
-        found = tuple(image.size)
-        bpy.data.images.remove(image)
-        problem = "" if found == size else f"the file holds {found} pixels instead of {size}"
+        problem = "Blender wrote no file"
+    except exr_check.ExrError as error:
+        problem = str(error)
     if problem:
         raise BatchError(f'"{final}" was not written: {problem}; free its disk, or choose another with --out')
 
@@ -98,6 +94,10 @@ def get_channel(layer: CapturedLayer, view_layer: str, output: str) -> str:
     picture = layer.channels[output]
     letters = CHANNEL_LETTERS[1 if picture.ndim == 2 else picture.shape[2]]
     return f"{view_layer}.{layer.pass_names[output]}.{letters}"
+
+
+def get_coverage_channel(view_layer: str) -> str:
+    return f"{view_layer}.{COVERAGE_PASS}.X"
 
 
 def sum_times(times: Sequence[dict[str, Any]]) -> dict[str, dict[str, float | None]]:
@@ -229,15 +229,18 @@ def render_and_write(
     with whole_file(exr) as temporary:
         scene.render.filepath = str(temporary)
         captured, render_ms = render_frame(scene, frame, write=True)
-        size = captured[0].snapshot.render.region[2:]
-        if not scene.render.use_crop_to_border:
-            size = captured[0].snapshot.render.width, captured[0].snapshot.render.height
-        check_exr(temporary, tuple(size), exr)
+        channels = [get_coverage_channel(item.view_layer) for item in captured]
+        for item in captured:
+            for layer in item.layers:
+                for output in layer.channels:
+                    name, _, letters = get_channel(layer, item.view_layer, output).rpartition(".")
+                    channels += [f"{name}.{letter}" for letter in letters]
+        check_file(temporary, exr, channels)
     frame_records, layer_records = [], []
     for item in captured:
         record = describe_frame(item, render_ms)
         record["file"] = exr.name
-        record["coverage_channel"] = f"{item.view_layer}.{COVERAGE_PASS}.X"
+        record["coverage_channel"] = get_coverage_channel(item.view_layer)
         if item.combined is not None:
             picture = outputs.get_layer_path(item.view_layer, "combined")
             write_bytes(picture, make_combined_png(item.combined))

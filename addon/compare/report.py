@@ -241,9 +241,9 @@ def build_page(
 <body><header><h1>{escape(title)}</h1><div class="facts">{fact_line}</div></header>
 <main><section class="card">{make_summary(lights, has_flip)}{note_lines}
 <details><summary>What the columns mean</summary><table>{measures}</table>
-<p>Layer: time of the layer alone, without the frame that all layers share. Cycles: its two renders of the visibility
-mask. Ratio: Cycles / layer. A stage that several techniques share counts for the first of them. Measures run over the pixels in which both see the same face and it is turned to the
-light.</p></details></section>
+<p>Layer: time of the layer alone, without the frame that all layers share; a stage that several techniques share counts
+for the first of them. Cycles: its two renders of the visibility mask. Ratio: Cycles / layer. Measures run over the
+pixels in which both see the same face and it is turned to the light.</p></details></section>
 <p class="note">Click a picture to zoom in, drag to move, wheel to zoom further, <kbd>Esc</kbd> to see it whole. All
 pictures of a light move together.</p>
 {sections}</main>
