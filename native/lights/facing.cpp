@@ -11,6 +11,8 @@ FacingRule::FacingRule(const Frame& frame, const Light& light, const LightPositi
       light_(light),
       directional_(position.directional),
       cone_cos_(position.cone_cos),
+      cone_sin_(position.cone_sin),
+      axes_(position.axes_ws),
       to_light_(position.to_light_ws),
       light_rel_(position.position_ws - frame.origin_ws) {}
 

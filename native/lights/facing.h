@@ -35,12 +35,14 @@ public:
     glm::dvec3 get_to_light(std::size_t pixel) const {
         return directional_ ? to_light_ : light_rel_ - glm::dvec3(frame_.positions_rel[pixel]);
     }
-    /// Is the direction inside the cone (half-space of an area light)? The rim is inside. `slack` widens the cone's
-    /// cosine, so that who computes in float never sees a pixel that a fit left out.
+    /// Is the direction inside the cone (half-space of an area light)? The rim is inside. Decided by the way across
+    /// the axis, not by the cosine: a spot as narrow as 1e-6 keeps its rim. `slack` widens the cone by that part of it,
+    /// so that who computes in float never sees a pixel that a fit left out.
     bool is_in_cone(const glm::dvec3& to_light, double slack = 0) const {
         if (cone_cos_ <= -1) return true;
-        const double along = glm::dot(to_light, to_light_);
-        return along >= (cone_cos_ - slack) * glm::length(to_light);
+        const glm::dvec2 across(glm::dot(axes_[0], to_light), glm::dot(axes_[1], to_light));
+        const double along = glm::dot(axes_[2], to_light);
+        return glm::length(across) * cone_cos_ <= (along + slack * glm::length(to_light)) * cone_sin_;
     }
     bool is_linked(std::uint32_t instance) const;
 
@@ -48,7 +50,8 @@ private:
     const Frame& frame_;
     const Light& light_;
     bool directional_;
-    double cone_cos_;
+    double cone_cos_, cone_sin_;
+    glm::dmat3 axes_;
     glm::dvec3 to_light_, light_rel_;
 };
 

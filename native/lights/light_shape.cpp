@@ -35,8 +35,15 @@ LightPosition make_centre(const Light& light) {
     // A point light's rotation shows nowhere, so its map does not turn with it.
     centre.axes_ws = light.kind == LightKind::Point ? glm::dmat3(1.0) : axes;
     centre.directional = light.kind == LightKind::Sun;
-    if (light.kind == LightKind::Spot) centre.cone_cos = std::cos(0.5 * std::min(light.spot_angle, std::numbers::pi));
-    if (light.kind == LightKind::Area) centre.cone_cos = 0;
+    if (light.kind == LightKind::Spot) {
+        const double half_angle = 0.5 * std::min(light.spot_angle, std::numbers::pi);
+        centre.cone_cos = std::cos(half_angle);
+        centre.cone_sin = std::sin(half_angle);
+    }
+    if (light.kind == LightKind::Area) {
+        centre.cone_cos = 0;
+        centre.cone_sin = 1;
+    }
     return centre;
 }
 

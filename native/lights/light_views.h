@@ -38,6 +38,7 @@ struct LightPosition {
     glm::dvec3 to_light_ws{0, 0, 1};  ///< unit, towards the light; of a sun. For spot and area: minus their direction
     glm::dmat3 axes_ws{1.0};          ///< columns: x, y, z of the light's cube axes in world space
     double cone_cos = -2;             ///< spot: cos of half the cone; area: 0 (front half-space); else -2 (everything)
+    double cone_sin = 0;              ///< sine of the same angle: that of a far, narrow cone is not in its cosine
     bool cube = false;                ///< receivers choose their view by cube face (views[k].face)
     std::vector<LightView> views;     ///< only those with receivers; empty: no receiver faces this light
 };

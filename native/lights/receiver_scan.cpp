@@ -11,7 +11,7 @@ namespace shadow_layers {
 namespace {
 
 constexpr std::size_t kPixelBlock = 1 << 14;
-/// What a shader in float may see otherwise than this scan: sines of angles to the face, cosines to the cone's axis,
+/// What a shader in float may see otherwise than this scan: sines of angles to the face, the cone's width,
 /// and a direction's share between two cube faces.
 constexpr double kFacingSlack = 1e-6, kConeSlack = 1e-5, kFaceSlack = 1e-4;
 

@@ -6,9 +6,14 @@
 
 const float kMapDecides = -1.0;
 
-// Visibility, or kMapDecides. `to_light` need not be of unit length; `cone` is as in LightParams.
-float visibility_without_map(bool covered, bool linked, bool casts_shadow, vec3 normal, vec3 to_light, vec4 cone) {
-    bool in_cone = dot(cone.xyz, to_light) >= cone.w * length(to_light);
+// Is the way to the light, given in the light's axes, within the cone? `cone`: cosine (below -1: all directions) and sine
+// of half its angle. By the way across the axis, because the cosine of a narrow cone is 1 in float.
+bool is_in_cone(vec3 to_light_axes, vec2 cone) {
+    return cone.x <= -1.0 || length(to_light_axes.xy) * cone.x <= to_light_axes.z * cone.y;
+}
+
+// Visibility, or kMapDecides. `to_light` need not be of unit length.
+float visibility_without_map(bool covered, bool linked, bool in_cone, bool casts_shadow, vec3 normal, vec3 to_light) {
     bool faces_light = dot(normal, to_light) > 0.0;
     if (!covered || !linked || !in_cone) return 1.0;
     if (!faces_light) return 0.0;

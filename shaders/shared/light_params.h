@@ -21,9 +21,9 @@ const int kEdgeMapUnit = 3;
 
 struct LightParams {
     mat4 lc_from_rel[kMaxViews];  // by map layer
-    vec4 axes_rel[3];             // the position's x, y and z axis: cube faces; w unused
+    vec4 axes_rel[3];             // the position's x, y and z axis: cube faces, cone; w: dot(axis, position), in double
     vec4 place_rel;               // w = 1: the position; w = 0: unit vector towards the sun
-    vec4 cone;                    // unit vector against the cone's axis; w = cosine of half its angle
+    vec4 cone;                    // cosine (-2: all directions) and sine of half the cone's angle; zw unused
     ivec4 layer_of_face[2];       // faces 0..3 and 4, 5; -1: no view. [1].z = 1: a cube; [1].w = number of views
     vec4 map;                     // texels per side with border, its inverse, border in texels, unused
     uvec4 receivers;              // light's receiver set (low, high word); z = 1: casts shadows

@@ -18,6 +18,7 @@ struct Receiver {
     vec3 position_rel;
     vec3 normal;
     vec3 to_light;           // not of unit length
+    vec3 to_light_axes;      // from the receiver to a light with a place, in the light's axes
     float fixed_visibility;  // or kMapDecides
 };
 
@@ -28,18 +29,19 @@ Receiver fetch_receiver(ivec2 pixel) {
     receiver.position_rel = position.xyz;
     receiver.normal = normal.xyz;
     receiver.to_light = light.place_rel.xyz - light.place_rel.w * position.xyz;
+    for (int axis = 0; axis < 3; ++axis)
+        receiver.to_light_axes[axis] = light.axes_rel[axis].w - dot(light.axes_rel[axis].xyz, position.xyz);
     receiver.fixed_visibility =
-        visibility_without_map(position.w > 0.5, group_is_in(uint(normal.w), light.receivers.xy), light.receivers.z != 0u,
-                               normal.xyz, receiver.to_light, light.cone);
+        visibility_without_map(position.w > 0.5, group_is_in(uint(normal.w), light.receivers.xy),
+                               is_in_cone(receiver.to_light_axes, light.cone.xy), light.receivers.z != 0u, normal.xyz,
+                               receiver.to_light);
     return receiver;
 }
 
 // Map layer that holds the receiver, or -1.
 int choose_layer(Receiver receiver) {
     if (light.layer_of_face[1].z == 0) return light.layer_of_face[1].w > 0 ? 0 : -1;
-    vec3 from_light = -receiver.to_light;
-    int face = cube_face(vec3(dot(light.axes_rel[0].xyz, from_light), dot(light.axes_rel[1].xyz, from_light),
-                              dot(light.axes_rel[2].xyz, from_light)));
+    int face = cube_face(-receiver.to_light_axes);
     return face < 4 ? light.layer_of_face[0][face] : light.layer_of_face[1][face - 4];
 }
 
