@@ -24,6 +24,8 @@ void StageRecord::end(Mark mark) {
     times_[mark.stage].cpu_ms += mark.clock.elapsed_ms();
     gl::TimerQuery end(mark.begin.device());
     end.mark();
+    // Without it a software driver takes the mark with whatever comes next, and CPU work in between counts as GL time.
+    end.gl().Flush();
     pending_.push_back({mark.stage, std::move(mark.begin), std::move(end)});
 }
 
