@@ -5,6 +5,7 @@
 from __future__ import annotations
 
 from collections import Counter
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -12,6 +13,7 @@ import numpy as np
 from .snapshot import MeshData
 
 StoreKey = tuple[str, frozenset, int]
+ReadKey = tuple[int, int, int, frozenset]  # address, vertices, polygons, hidden slots
 
 
 class MeshStore:
@@ -22,21 +24,35 @@ class MeshStore:
         self._last: dict[StoreKey, MeshData] = {}
         self._current: dict[StoreKey, MeshData] = {}
         self._ordinals: Counter[tuple[str, frozenset]] = Counter()
+        self._last_read: dict[ReadKey, MeshData | None] = {}
+        self._read: dict[ReadKey, MeshData | None] = {}
+        self._trust = False
 
-    def begin(self) -> None:
-        """Starts an export; what the one before the last held is let go."""
+    def begin(self, trust: bool = False) -> None:
+        """Starts an export; what the one before the last held is let go. `trust`: no mesh changed since the last one,
+        so a mesh at the same address is the same mesh and isn't read again."""
         if self._current:
             self._last = self._current
         self._current = {}
+        self._last_read, self._read = self._read, {}
+        self._trust = trust
         self._ordinals.clear()
 
-    def keep(self, mesh: MeshData, hidden_slots: frozenset) -> MeshData:
-        """The mesh, with the last export's arrays where they are equal."""
+    def load(self, mesh: Any, hidden_slots: frozenset, read: Callable[[], MeshData | None]) -> MeshData | None:
+        """The arrays of a bpy mesh: trusted ones, or what `read` returns, with old arrays where they are equal."""
+        key = (mesh.as_pointer(), len(mesh.vertices), len(mesh.polygons), hidden_slots)
+        data = self._last_read[key] if self._trust and key in self._last_read else read()
+        if data is not None:
+            data = self._keep(data, hidden_slots)
+        self._read[key] = data
+        return data
+
+    def _keep(self, mesh: MeshData, hidden_slots: frozenset) -> MeshData:
         ordinal = self._ordinals[mesh.name, hidden_slots]
         self._ordinals[mesh.name, hidden_slots] += 1
         key = (mesh.name, hidden_slots, ordinal)
         old = self._last.get(key)
-        if old is not None:
+        if old is not None and old is not mesh:
             positions = old.positions if _same(old.positions, mesh.positions) else mesh.positions
             triangles = old.triangles if _same(old.triangles, mesh.triangles) else mesh.triangles
             mesh = MeshData(mesh.name, positions, triangles)

@@ -16,6 +16,7 @@ from .jobs import SceneLight, jobs_for
 from .light_export import LightNamer, is_portal, light_template, placed
 from .light_linking import LinkSets
 from .materials import OPAQUE_FACTS, MaterialFacts, Opacity, examine, world_lights
+from .picture import border_region, render_settings, render_size
 from .snapshot import (
     INSTANCE_CAMERA,
     INSTANCE_HOLDOUT,
@@ -34,6 +35,15 @@ _SKIPPED_KINDS = {
     "GREASEPENCIL": "grease pencil",
 }
 _NAMES_IN_A_WARNING = 5
+_SHAPELESS = {"LIGHT", "CAMERA"}
+_SHAPELESS_DATA = (
+    bpy.types.Object,
+    bpy.types.Light,
+    bpy.types.Camera,
+    bpy.types.Material,
+    bpy.types.World,
+    bpy.types.ShaderNodeTree,
+)
 
 
 @dataclass
@@ -56,10 +66,19 @@ class SceneExporter:
     def __init__(self) -> None:
         self._store = mesh_export.MeshStore()
 
-    def export(self, depsgraph: Any, camera: CameraData, render: RenderSettings, space: Any = None) -> SceneSnapshot:
+    def export(
+        self,
+        depsgraph: Any,
+        camera: CameraData,
+        render: RenderSettings,
+        *,
+        space: Any = None,
+        same_meshes: bool = False,
+    ) -> SceneSnapshot:
         """The scene of a depsgraph, with the jobs that its settings ask for. Call it where Blender allows to read the
-        depsgraph (engine `update`, `view_update`). `space` is the 3D view, whose local view and filters count."""
-        self._store.begin()
+        depsgraph (engine `update`, `view_update`). `space` is the 3D view, whose local view and filters count;
+        `same_meshes` promises that no mesh changed since the last export of this depsgraph (see `only_moves`)."""
+        self._store.begin(same_meshes)
         walk = _Walk(depsgraph, self._store, space)
         snapshot = SceneSnapshot(camera=camera, render=render)
         walk.fill(snapshot)
@@ -218,12 +237,13 @@ class _Walk:
         key = (mesh.as_pointer(), hidden)
         if key not in self._mesh_index:
             if self.in_viewport and parent is None and _data_is_not_final(item):
-                data = mesh_export.read_object(item, mesh.name_full, hidden)
+                source, read = item, mesh_export.read_object
             else:
-                data = mesh_export.read_mesh(mesh, mesh.name_full, hidden)
+                source, read = mesh, mesh_export.read_mesh
+            data = self._store.load(mesh, hidden, lambda: read(source, mesh.name_full, hidden))
             self._mesh_index[key] = -1 if data is None else len(self._meshes)
             if data is not None:
-                self._meshes.append(self._store.keep(data, hidden))
+                self._meshes.append(data)
         return self._mesh_index[key]
 
     def _hidden_slots(self, item: Any) -> frozenset | None:
@@ -284,6 +304,18 @@ class _Walk:
             self.warnings.append("motion blur is not represented")
 
 
+def only_moves(depsgraph: Any) -> bool:
+    """Whether all that happened to a viewport's depsgraph since the last `view_update` leaves every mesh as it was.
+    False if in doubt: a change of frame, for one, comes without any update."""
+    updates = list(depsgraph.updates)
+    return bool(updates) and all(isinstance(u.id, _SHAPELESS_DATA) and not _is_reshaped(u) for u in updates)
+
+
+def _is_reshaped(update: Any) -> bool:
+    is_object = isinstance(update.id, bpy.types.Object)
+    return is_object and update.is_updated_geometry and update.id.type not in _SHAPELESS
+
+
 def _data_is_not_final(item: Any) -> bool:
     return item.mode != "OBJECT" or any(modifier.type == "SUBSURF" for modifier in item.modifiers)
 
@@ -292,35 +324,6 @@ def _highest_material_index(mesh: Any) -> int:
     index = np.zeros(len(mesh.polygons), np.int32)
     mesh.polygons.foreach_get("material_index", index)
     return int(index.max(initial=0))
-
-
-def render_settings(scene: Any, width: int, height: int, region: tuple[int, int, int, int]) -> RenderSettings:
-    """Samples of the scene, with the pixel filter of Cycles where there is one, else Blender's own."""
-    cycles = getattr(scene, "cycles", None)
-    return RenderSettings(
-        width,
-        height,
-        region,
-        samples=scene.shadow_layers.samples,
-        filter=getattr(cycles, "pixel_filter_type", "BLACKMAN_HARRIS"),
-        filter_width=float(getattr(cycles, "filter_width", scene.render.filter_size)),
-    )
-
-
-def render_size(render: Any) -> tuple[int, int]:
-    """The full picture in pixels, percentage applied as Blender does."""
-    percentage = render.resolution_percentage
-    return max(render.resolution_x * percentage // 100, 1), max(render.resolution_y * percentage // 100, 1)
-
-
-def border_region(render: Any, width: int, height: int) -> tuple[int, int, int, int]:
-    """(x, y, width, height) that a render covers: the border in whole pixels if there is one."""
-    if not render.use_border:
-        return 0, 0, width, height
-    # Blender multiplies float by int and cuts; do it in float32 as well, so that the pixels agree.
-    x0, x1 = (int(np.float32(v) * np.float32(width)) for v in (render.border_min_x, render.border_max_x))
-    y0, y1 = (int(np.float32(v) * np.float32(height)) for v in (render.border_min_y, render.border_max_y))
-    return x0, y0, max(x1 - x0, 1), max(y1 - y0, 1)
 
 
 def export_for_render(exporter: SceneExporter, depsgraph: Any, camera: Any) -> SceneSnapshot:

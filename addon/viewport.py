@@ -17,7 +17,7 @@ from typing import Any
 import bpy
 import numpy as np
 
-from . import bridge, preferences, scene_export
+from . import bridge, picture, preferences, scene_export
 from .camera_export import camera_from_view
 from .snapshot import SceneSnapshot
 
@@ -96,12 +96,12 @@ class _Worker:
                 (snapshot, settings), self._wanted = self._wanted, None
                 self._token = token = bridge.CancelToken()
             for samples in sorted({1, snapshot.render.samples}):
-                picture = self._render(snapshot, settings, samples, token)
+                made = self._render(snapshot, settings, samples, token)
                 with self._condition:
-                    if picture is None or self._closing or token.cancelled:
+                    if made is None or self._closing or token.cancelled:
                         break
-                    self._finished = picture
-                    if picture.error is not None:
+                    self._finished = made
+                    if made.error is not None:
                         break
             with self._condition:
                 self._token = None
@@ -151,7 +151,8 @@ class Viewport:
         try:
             self._settings = preferences.session_settings(depsgraph.scene_eval)
             camera, render = self._view(context, depsgraph)
-            exported = self._exporter.export(depsgraph, camera, render, context.space_data)
+            same = self._scene is not None and scene_export.only_moves(depsgraph)
+            exported = self._exporter.export(depsgraph, camera, render, space=context.space_data, same_meshes=same)
             self._scene = _one_technique_per_light(exported)
             self._set_status("")
         except bridge.ShadowLayersError as error:
@@ -164,11 +165,11 @@ class Viewport:
             self.sync(context, depsgraph)
         if self._scene is not None:
             self._request(context, depsgraph)
-        picture = self._worker.take() if self._worker is not None else None
-        if picture is not None:
-            self._set_status(picture.error or "")
-            if picture.pixels is not None:
-                self._texture = _upload(picture.pixels)
+        taken = self._worker.take() if self._worker is not None else None
+        if taken is not None:
+            self._set_status(taken.error or "")
+            if taken.pixels is not None:
+                self._texture = _upload(taken.pixels)
         if self._texture is not None:
             _draw_over(context.region, self._texture, self._engine(), depsgraph.scene)
 
@@ -198,7 +199,7 @@ class Viewport:
             float(getattr(clip, "clip_end", space.clip_end)),
         )
         width, height = max(region.width, 1), max(region.height, 1)
-        return camera, scene_export.render_settings(depsgraph.scene_eval, width, height, (0, 0, width, height))
+        return camera, picture.render_settings(depsgraph.scene_eval, width, height, (0, 0, width, height))
 
     def _poll(self) -> float | None:
         """Timer on the main thread: redraws when a picture is ready, ends when nothing is on its way."""
