@@ -27,7 +27,7 @@ def session(addon, project_root, tmp_path_factory):
     log = done.stdout + done.stderr
     assert done.returncode == 0, log
     assert (out / "record.json").exists(), log
-    pictures = {path.stem: load_png(path) for path in out.glob("*.png")}
+    pictures = {path.stem: load_png(path) for path in sorted(out.glob("*.png"))}
     return pictures, json.loads((out / "record.json").read_text()), log
 
 
@@ -87,3 +87,22 @@ def test_leaving_rendered_mode_ends_the_worker(session):
     assert record["open while rendered"] == 1
     assert record["open afterwards"] == 0
     assert "Traceback" not in log
+
+
+def test_a_render_beside_the_viewport_shows_the_same(session):
+    """F12 as a job, while the viewport is live: the file is there, and its shadow is the viewport's."""
+    pictures, record, log = session
+    assert "final" in pictures, log
+    final = pictures["final"].mean(axis=2)
+    height, width = final.shape
+    assert (width, height) == (320, 180)
+    # The camera looks down from 30 m with Blender's default lens; the shadow lies below it, at the middle.
+    seen = brightness(session, "edit_mesh")
+    assert final[height // 2, width // 2] == pytest.approx(seen["first"], abs=0.03)
+    assert final[height // 8, width // 2] == pytest.approx(seen["never"], abs=0.03)
+
+
+def test_moving_an_object_reads_no_mesh_again(session):
+    at_first, after_move, after_edit = session[1]["arrays"]
+    assert at_first == after_move
+    assert len(set(after_edit) & set(at_first)) == 1  # the ground's

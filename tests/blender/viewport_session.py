@@ -99,6 +99,25 @@ def edit_mesh() -> None:
     mesh.update()
 
 
+def render_beside() -> None:
+    """F12 as a user starts it: a job beside the interface, with this viewport still in Rendered mode."""
+    scene = bpy.context.scene
+    scene.render.resolution_x, scene.render.resolution_y, scene.render.resolution_percentage = 320, 180, 100
+    scene.render.filepath = str(out / "final.png")
+    scene.shadow_layers.samples = 8
+    window, area, region = view()
+    with bpy.context.temp_override(window=window, area=area, region=region):
+        bpy.ops.render.render("INVOKE_DEFAULT", write_still=True)
+
+
+def note_arrays() -> None:
+    """Whether moving an object left the arrays of all meshes alone."""
+    from addon import viewport
+
+    exported = next(iter(viewport._open))._scene
+    record.setdefault("arrays", []).append(sorted(id(mesh.positions) for mesh in exported.meshes))
+
+
 STEPS = [
     enter_rendered_mode,
     move_cube,
@@ -143,7 +162,8 @@ def act() -> float | None:
     from addon import viewport
 
     try:
-        if viewport.is_busy() and time.monotonic() - act.since < GIVE_UP_S:
+        waiting = viewport.is_busy() or bpy.app.is_job_running("RENDER")
+        if waiting and time.monotonic() - act.since < GIVE_UP_S:
             return SETTLE_S
         if not act.plan:
             bpy.ops.wm.quit_blender()
@@ -162,5 +182,6 @@ act.since = time.monotonic()
 act.plan = [build]
 for step in STEPS:
     act.plan += [step, lambda: None, lambda step=step: save(step.__name__)]
-act.plan += [leave, lambda: None, finish, lambda: None]
+    act.plan += [note_arrays] if step in {enter_rendered_mode, move_cube, edit_mesh} else []
+act.plan += [render_beside, lambda: None, leave, lambda: None, finish, lambda: None]
 bpy.app.timers.register(act, first_interval=1.0)
