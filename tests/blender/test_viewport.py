@@ -91,7 +91,7 @@ def test_leaving_rendered_mode_ends_the_worker(session):
 
 def test_a_render_beside_the_viewport_shows_the_same(session):
     """F12 as a job, while the viewport is live: the file is there, and its shadow is the viewport's."""
-    pictures, record, log = session
+    pictures, _, log = session
     assert "final" in pictures, log
     final = pictures["final"].mean(axis=2)
     height, width = final.shape

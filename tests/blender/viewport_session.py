@@ -18,9 +18,10 @@ root, out = (Path(argument) for argument in sys.argv[sys.argv.index("--") + 1 :]
 sys.path[:0] = [str(root), str(root / "tests" / "blender")]
 bpy.context.preferences.view.show_splash = False
 
-import addon  # noqa: E402 - the path is set above
 from addon_helpers import add_camera, add_light, add_object, cube_mesh, plane_mesh  # noqa: E402
 from bpy_extras.view3d_utils import location_3d_to_region_2d  # noqa: E402
+
+import addon  # noqa: E402 - the path is set above
 
 SETTLE_S, GIVE_UP_S = 0.4, 60.0
 # Points on the ground: where the cube's shadow falls at first, where after the cube, where after the sun has moved.
