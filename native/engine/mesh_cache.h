@@ -14,15 +14,21 @@ namespace shadow_layers {
 
 class Engine;
 
-/// A mesh on the GPU. Triangles keep their numbers: one that uses a vertex that is not finite is stored with no area.
+/// A mesh on the GPU. Vertex k, for k below the triangle count, is a copy of the last corner of triangle k, which is
+/// the one that flat outputs come from: gl_VertexID tells a fragment its triangle so. (gl_PrimitiveID would, too, but
+/// costs a software driver a third of its time.) Vertices that are no triangle's last corner follow. A triangle that
+/// uses a vertex that is not finite is kept with no area, so that the others keep their numbers.
 struct GpuMesh {
-    std::shared_ptr<const gl::Buffer> position_buf;  ///< float x, y, z about `centre`, tightly packed
-    std::shared_ptr<const gl::Buffer> index_buf;     ///< three uint32 per triangle
+    std::shared_ptr<const gl::Buffer> position_buf;        ///< float x, y, z about `centre`, tightly packed
+    std::shared_ptr<const gl::Buffer> index_buf;           ///< three uint32 per triangle, shared vertices: the fewest
+    std::shared_ptr<const gl::Buffer> numbered_index_buf;  ///< the same triangles, each ending in its own vertex
     gl::VertexArray vertices;
     glm::dvec3 centre{0.0};  ///< object space; exact in double
     std::uint32_t triangle_count = 0;
     std::uint32_t dropped_count = 0;  ///< triangles without area for a vertex that is not finite
-    std::size_t byte_size() const { return position_buf->byte_size() + index_buf->byte_size(); }
+    std::size_t byte_size() const {
+        return position_buf->byte_size() + index_buf->byte_size() + numbered_index_buf->byte_size();
+    }
 };
 
 /// Uploaded meshes by content, least recently used out first when over budget. Positions and triangles that stay the

@@ -5,8 +5,6 @@
 #include <algorithm>
 #include <numeric>
 
-#include "scene_slots.h"
-
 namespace shadow_layers {
 namespace {
 
@@ -59,20 +57,19 @@ void fill_group(Engine& engine, const SceneDraw& draw, const std::vector<std::ui
 }
 
 /// Draws a group in pieces; `queued` counts the triangles since the last look at the cancel token.
-void draw_group(Engine& engine, const Group& group, const gl::Buffer& stream, bool wants_triangle,
-                std::uint64_t& queued) {
+void draw_group(Engine& engine, const Group& group, const gl::Buffer& stream, bool numbered, std::uint64_t& queued) {
     const GladGLContext& gl = engine.gl();
     GpuMesh& mesh = *group.mesh;
     const std::uint64_t triangles = mesh.triangle_count;
     const std::uint64_t triangle_step = std::min(triangles, kTrianglesPerPiece);
     const std::size_t instance_step = std::max<std::size_t>(1, std::size_t(kTrianglesPerPiece / triangle_step));
+    mesh.vertices.set_index_buffer(numbered ? *mesh.numbered_index_buf : *mesh.index_buf);
     mesh.vertices.bind();
     for (std::size_t i = group.begin; i < group.end; i += instance_step) {
         const std::size_t count = std::min(instance_step, group.end - i);
         mesh.vertices.set_buffer(1, stream, sizeof(InstanceVertex), i * sizeof(InstanceVertex), 1);
         for (std::uint64_t first = 0; first < triangles; first += triangle_step) {
             const std::uint64_t piece = std::min(triangle_step, triangles - first);
-            if (wants_triangle) gl.Uniform1ui(kSlotTriangleBase, GLuint(first));
             gl.DrawElementsInstanced(GL_TRIANGLES, GLsizei(3 * piece), GL_UNSIGNED_INT,
                                      reinterpret_cast<const void*>(first * sizeof(glm::uvec3)), GLsizei(count));
             queued += piece * count;
@@ -97,11 +94,10 @@ void draw_scene(Engine& engine, const gl::Program& program, const DrawState& sta
     stream.write(vertices.data(), vertices.size() * sizeof(InstanceVertex));
     apply(engine.gl(), state);
     program.use();
-    const bool wants_triangle = program.location("u_triangle_base") >= 0;
     std::uint64_t queued = 0;
     std::int64_t total = 0;
     for (const Group& group : groups) {
-        draw_group(engine, group, stream, wants_triangle, queued);
+        draw_group(engine, group, stream, draw.numbered, queued);
         total += std::int64_t(group.end - group.begin) * std::int64_t(group.mesh->triangle_count);
     }
     engine.count("triangles", total);

@@ -17,14 +17,15 @@ struct SceneDraw {
     const Scene& scene;
     std::span<const std::uint32_t> instances;  ///< indices into scene.instances, in any order
     glm::dmat4 clip_from_ws{1.0};
+    bool numbered = false;  ///< the program calls scene_triangle(); costs a little
 };
 
 /// Draws into the bound framebuffer with `program` and `state`; each mesh is one draw for all its instances.
 ///
 /// The program's vertex shader includes "lib/scene_vertex_lib.glsl" and starts from `scene_clip_position()`;
-/// `in_instance` is the index into Scene::instances (hand it on as `flat uint`). A fragment (or geometry) shader that
-/// wants the triangle includes "lib/scene_triangle_lib.glsl" and calls `scene_triangle(gl_PrimitiveID)`
-/// (gl_PrimitiveIDIn).
+/// `in_instance` is the index into Scene::instances (hand it on as `flat out uint`). With `numbered`,
+/// `scene_triangle()` is the triangle of the mesh, where it is handed on as `flat out uint` too (a fragment gets the
+/// last corner's value).
 ///
 /// Long draws are cut into pieces with cancel checks between them (throws Cancelled). Counts "triangles" in the record.
 void draw_scene(Engine& engine, const gl::Program& program, const DrawState& state, const SceneDraw& draw);

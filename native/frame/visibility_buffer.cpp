@@ -100,7 +100,8 @@ void VisibilityBuffer::draw(Engine& engine, const Scene& scene, const Camera& ca
         framebuffer_.clear_depth();
         if (!seen.instances.empty()) {
             const gl::Program& program = engine.program("frame/visibility.vert", "frame/visibility.frag");
-            draw_scene(engine, program, DrawState::nearest(), {scene, seen.instances, make_clip_matrix(camera, seen)});
+            draw_scene(engine, program, DrawState::nearest(),
+                       {scene, seen.instances, make_clip_matrix(camera, seen), true});
         }
     }
     const auto timer = engine.time_stage("frame_readback");

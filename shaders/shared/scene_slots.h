@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: 2026 Shadow Layers contributors
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
-// Attribute and uniform locations of programs that draw_scene (engine/scene_draw.h) drives.
+// Attribute locations of programs that draw_scene (engine/scene_draw.h) drives.
 
 #ifdef __cplusplus
 namespace shadow_layers {
@@ -10,7 +10,6 @@ namespace shadow_layers {
 const int kSlotPosition = 0;       // vec3, per vertex: object space, about the mesh's centre
 const int kSlotClipMatrix = 1;     // mat4 (takes 1..4), per instance: clip space from position above
 const int kSlotInstance = 5;       // uint, per instance: index into Scene::instances
-const int kSlotTriangleBase = 15;  // uniform uint: mesh triangle that gl_PrimitiveID 0 stands for
 
 #ifdef __cplusplus
 }  // namespace shadow_layers

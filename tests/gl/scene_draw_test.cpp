@@ -24,7 +24,7 @@ protected:
         framebuffer.clear_color_uint(0, kNothing, kNothing);
         framebuffer.clear_depth();
         const gl::Program& program = engine().program("frame/visibility.vert", "frame/visibility.frag");
-        draw_scene(engine(), program, DrawState::nearest(), {scene, instances, clip_from_ws});
+        draw_scene(engine(), program, DrawState::nearest(), {scene, instances, clip_from_ws, true});
         return ids_tx->download<glm::uvec2>();
     }
     static constexpr std::uint32_t kNothing = 0xffffffffu;
@@ -106,7 +106,7 @@ TEST_F(SceneDrawTest, MeshesAreUploadedOnceByContent) {
 
 TEST_F(SceneDrawTest, LeastRecentlyUsedMeshesLeaveFirst) {
     const auto mesh = [](float size) { return test::to_mesh("quad", test::make_quad(size)); };
-    const std::size_t quad_bytes = 4 * 12 + 2 * 12;
+    const std::size_t quad_bytes = 4 * 12 + 2 * 2 * 12;
     MeshCache cache(3 * quad_bytes);
     const auto a = mesh(1), b = mesh(2), c = mesh(3), d = mesh(4);
     for (const auto& m : {a, b, c, a, d}) cache.get(engine(), *m);  // b leaves
