@@ -67,7 +67,7 @@ void make_output_folder(const std::filesystem::path& folder) {
         throw FileError("the output folder '" + folder.string() + "' cannot be made: " +
                         (error ? error.message() : std::string("a file has its name")) + "; choose another");
     }
-    TemporaryFile probe(folder / "probe");
+    TemporaryFile test(folder / "write_test");
 }
 
 }  // namespace shadow_layers::io
