@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from . import bridge, properties
-from .light_export import LightNamer, is_portal
+from .light_export import LightNamer, is_portal, object_name
 from .names import PassKey, pass_names
 from .snapshot import Job
 
@@ -84,7 +84,7 @@ def predicted_lights(scene: Any, view_layer: Any) -> list[SceneLight]:
         return found
     for light, instancer in _walk(scene, view_layer):
         if not is_portal(light.data):
-            found.append(SceneLight(namer.name(light.name, instancer), light.data))
+            found.append(SceneLight(namer.name(object_name(light), instancer), light.data))
     return found
 
 
@@ -101,7 +101,7 @@ def _walk(scene: Any, view_layer: Any) -> Iterator[tuple[Any, str | None]]:
         if is_instancer:
             for member in item.instance_collection.all_objects:
                 if member.type == "LIGHT" and not member.hide_render:
-                    yield member, item.name
+                    yield member, object_name(item)
 
 
 def _hidden_collections(layer_collection: Any, hidden_above: bool = False) -> set[str]:

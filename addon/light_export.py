@@ -62,6 +62,12 @@ def placed(template: LightData, name: str, world_from_object: np.ndarray) -> Lig
     )
 
 
+def object_name(item: Any) -> str:
+    """An object's name, with its library's if it is linked: linked and local objects may share a name."""
+    original = item.original
+    return original.name if original.library is None else original.name_full
+
+
 class LightNamer:
     """Names of lights: the object's own, and for instanced ones also the instancer's, numbered from the second on."""
 

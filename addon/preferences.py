@@ -36,8 +36,8 @@ class ShadowLayersPreferences(bpy.types.AddonPreferences):
             renderer = info.get("gl_renderer", "not started yet")
             layout.label(text=f"Core {info['version']} ({info['revision']}), {renderer}")
         else:
-            for line in wrapped(problem):
-                layout.label(text=line, icon="ERROR" if line is problem else "NONE")
+            for number, line in enumerate(wrapped(problem)):
+                layout.label(text=line, icon="BLANK1" if number else "ERROR")
 
 
 @dataclass(frozen=True)

@@ -13,7 +13,7 @@ import numpy as np
 from . import mesh_export
 from .camera_export import export_camera
 from .jobs import SceneLight, jobs_for
-from .light_export import LightNamer, is_portal, light_template, placed
+from .light_export import LightNamer, is_portal, light_template, object_name, placed
 from .light_linking import LinkSets
 from .materials import OPAQUE_FACTS, MaterialFacts, Opacity, examine, world_lights
 from .picture import border_region, render_settings, render_size
@@ -200,11 +200,12 @@ class _Walk:
     def _examine_light(self, item: Any, real: Any, parent: Any) -> _Kind | None:
         if is_portal(item.data):
             return None
-        template = light_template(item.data, item.name)
+        name = object_name(real)
+        template = light_template(item.data, name)
         template.receiver_set = self._receivers.mask_of(real)
         template.blocker_set = self._blockers.mask_of(real)
-        instancer = parent.name if parent is not None else None
-        return _Kind(item.name, light=template, light_data=item.data, instancer=instancer)
+        instancer = object_name(parent) if parent is not None else None
+        return _Kind(name, light=template, light_data=item.data, instancer=instancer)
 
     def _place_lights(self, snapshot: SceneSnapshot, kind_of: np.ndarray, matrices: np.ndarray) -> None:
         namer = LightNamer()

@@ -273,6 +273,50 @@ def test_many_lights_with_hostile_names(scene, tmp_path):
         np.testing.assert_array_equal(pixels, layer.channels["visibility"])
 
 
+def test_linked_and_local_lights_of_one_name(scene, tmp_path):
+    library = tmp_path / "lamps.blend"
+    lamp = add_light("POINT", name="Twin", location=(3, 0, 6))
+    bpy.data.libraries.write(str(library), {lamp})
+    bpy.data.objects.remove(lamp)
+    with bpy.data.libraries.load(str(library), link=True) as (_, wanted):
+        wanted.objects = ["Twin"]
+    scene.collection.objects.link(wanted.objects[0])
+    add_light("POINT", name="Twin", location=(-3, 0, 6))
+    path = tmp_path / "twins.exr"
+    set_multilayer_output(path)
+    captured = render(write_still=True)
+    channels = read_exr(path)[0]
+    twins = {layer.light: layer for layer in captured.frames[0].layers if layer.light.startswith("Twin")}
+    assert sorted(twins) == ["Twin", "Twin [lamps.blend]"]
+    written = [channels[f"{view_layer_name(scene)}.{t.pass_names['visibility']}.X"] for t in twins.values()]
+    assert not np.array_equal(*written)
+    for pixels, layer in zip(written, twins.values(), strict=True):
+        np.testing.assert_array_equal(pixels, layer.channels["visibility"])
+
+
+def test_lights_that_come_and_go_in_an_animation(scene, tmp_path):
+    """Pass names are announced before a frame is evaluated: a light keyed on gets its pass, one keyed off a lit one."""
+    for name, hidden_at in (("Comes", 1), ("Goes", 2)):
+        lamp = add_light("POINT", name=name, location=(3, -3, 5))
+        for frame in (1, 2):
+            lamp.hide_render = frame == hidden_at
+            lamp.keyframe_insert("hide_render", frame=frame)
+    scene.frame_start, scene.frame_end = 1, 2
+    set_multilayer_output(tmp_path / "f_")
+    scene.render.use_file_extension = True
+    captured = render(animation=True)
+    for frame in captured.frames:
+        channels = read_exr(tmp_path / f"f_{frame.frame:04d}.exr")[0]
+        lights = {layer.light: layer for layer in frame.layers}
+        assert ("Comes" in lights, "Goes" in lights) == (frame.frame == 2, frame.frame == 1)
+        for name in ("Comes", "Goes"):
+            pixels = channels.get(f"{view_layer_name(scene)}.Shadow {name} sm.X")
+            if name in lights:
+                np.testing.assert_array_equal(pixels, lights[name].channels["visibility"])
+            else:
+                assert pixels is None or (pixels == 1).all()
+
+
 def no_light(scene):
     for item in [item for item in scene.objects if item.type == "LIGHT"]:
         item.hide_render = True
