@@ -38,6 +38,11 @@ def techniques_for(scene: Any, light: Any) -> list[tuple[dict[str, Any], Any]]:
     if own.mode == "OFF":
         return []
     if own.mode == "OVERRIDE":
+        if not own.technique:  # saved with a technique that this version doesn't have
+            raise bridge.ShadowLayersError(
+                f'light "{light.name}" asks for a technique that is not there; '
+                "choose another in Object Data > Shadow Layers, or update the add-on"
+            )
         return [(bridge.find_technique(own.technique), own)]
     return [(info, scene.shadow_layers) for info in properties.chosen_techniques(scene)]
 

@@ -26,7 +26,10 @@ def announce(engine: Any, scene: Any, view_layer: Any) -> None:
     if bridge.available() is not None:
         return
     lights = jobs.predicted_lights(scene, view_layer)
-    planned = jobs.plan_passes([light.name for light in lights], jobs.jobs_for(scene, view_layer, lights))
+    try:
+        planned = jobs.plan_passes([light.name for light in lights], jobs.jobs_for(scene, view_layer, lights))
+    except bridge.ShadowLayersError:
+        return  # the render reports it
     for item in planned:
         engine.register_pass(scene, view_layer, item.name, item.channels, *_LAYOUT[item.channels])
 

@@ -165,6 +165,8 @@ class SHADOWLAYERS_PT_light_layers(_EnginePanel, bpy.types.Panel):
         if own.mode != "OVERRIDE" or bridge.available() is not None:
             return
         layout.prop(own, "technique")
+        if not own.technique:
+            return
         info = bridge.find_technique(own.technique)
         _draw_shared(layout.column(), own, [info])
         _draw_parameters(layout.column(), own, info)
@@ -187,7 +189,13 @@ class SHADOWLAYERS_PT_passes(_EnginePanel, bpy.types.Panel):
         if bridge.available() is not None:
             return
         lights = jobs.predicted_lights(context.scene, view_layer)
-        planned = jobs.plan_passes([light.name for light in lights], jobs.jobs_for(context.scene, view_layer, lights))
+        try:
+            planned = jobs.plan_passes(
+                [light.name for light in lights], jobs.jobs_for(context.scene, view_layer, lights)
+            )
+        except bridge.ShadowLayersError as error:
+            _draw_problem(layout, str(error))
+            return
         for item in planned[:_PASSES_SHOWN]:
             column.label(text=item.name, icon="LIGHT")
         if len(planned) > _PASSES_SHOWN:

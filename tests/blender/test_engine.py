@@ -358,6 +358,21 @@ def test_refusals_say_what_and_how_and_leave_no_file(scene, tmp_path, break_it, 
     assert not (tmp_path / "refused.exr").exists()
 
 
+def test_a_technique_of_another_version_is_named_with_its_light(scene):
+    from addon import properties
+
+    own = bpy.data.lights["Key.001"].shadow_layers
+    own.mode = "OVERRIDE"
+    if bpy.app.version >= (5, 0):
+        own.bl_system_properties_get()["technique"] = properties.enum_number("from the future")
+    else:
+        own["technique"] = properties.enum_number("from the future")
+    assert own.technique == ""
+    text = failed_render()
+    assert '"Key.001"' in text
+    assert "choose another" in text
+
+
 def test_a_view_layer_without_light_beside_others_is_no_error(scene):
     collection = bpy.data.collections.new("Lights")
     scene.collection.children.link(collection)
