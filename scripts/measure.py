@@ -85,7 +85,7 @@ def make_model(name: str, *options: object) -> Path | None:
 
 def in_blender(name: str, *scenes: Path) -> dict:
     path = out / f"{name}.json"
-    run(f"measuring {name}", root / "scripts" / "measure_in_blender.py", name, path, *scenes)
+    run(f"measuring {name}", root / "tests" / "blender" / "measure_in_blender.py", name, path, *scenes)
     return json.loads(path.read_text(encoding="utf-8"))
 
 

@@ -67,7 +67,8 @@ def make_steps() -> list[Step]:
              "ctest", ("test",)),
         Step("python", "Python outside Blender", [tools, *pytest, "tests/python"], "pytest", ("test",)),
         Step("numpy2", "native module with NumPy 2", [numpy2, *pytest, *sorted(
-            str(p.relative_to(root)) for p in (root / "tests" / "python").glob("test_module*.py"))], "pytest", ("test",)),
+            str(p.relative_to(root)) for p in (root / "tests" / "python").glob("test_module*.py"))],
+            "pytest", ("test",)),
         Step("blender-3.4", "inside Blender 3.4 (Debian)", [blender, "3.4"], "pytest", ("blender", "test")),
         Step("blender-4.5", "inside Blender 4.5 (module)", [blender, "4.5"], "pytest", ("bpy45",)),
         Step("blender-5.0", "inside Blender 5.0 (module)", [blender, "5.0"], "pytest", ("bpy50",)),

@@ -6,7 +6,7 @@ import importlib
 import os
 import subprocess
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from pathlib import Path
 
 import bpy
@@ -122,9 +122,11 @@ def run_blender(
     check: bool = True,
     timeout_s: float = 120,
     env: dict[str, str] | None = None,
+    prefix: Sequence[str] = (),
 ) -> subprocess.CompletedProcess:
-    """Runs `script` as blender_command says; output captured as text. check: a failure raises with the output in it."""
-    command = blender_command(script, arguments, blend)
+    """Runs `script` as blender_command says; output captured as text. check: a failure raises with the output in it.
+    `prefix` goes before the command (unshare, prlimit, ...)."""
+    command = [*prefix, *blender_command(script, arguments, blend)]
     environment = {**os.environ, **(env or {})}
     done = subprocess.run(command, capture_output=True, text=True, timeout=timeout_s, env=environment, check=False)
     if check and done.returncode != 0:
@@ -135,7 +137,7 @@ def run_blender(
 
 @pytest.fixture(scope="session")
 def run_script() -> Callable[..., subprocess.CompletedProcess]:
-    """run_script(script, arguments, blend=None, check=True, timeout_s=120, env=None): runs it in another process."""
+    """run_script(script, arguments, blend=None, check=True, timeout_s=120, env=None, prefix=()): another process."""
     return run_blender
 
 

@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The part of scripts/measure.py that runs inside Blender: times, memory and cancelling, measured in one process.
 
-    python scripts/measure_in_blender.py NAME OUT.json [SCENE.blend ...]
+    python tests/blender/measure_in_blender.py NAME OUT.json [SCENE.blend ...]
 
 Times are medians over repeats in which camera and light move a little, as from frame to frame of an animation: meshes
 stay, everything else is made anew. Nothing is judged here; measure.py knows the bounds.
@@ -21,7 +21,7 @@ from pathlib import Path
 import bpy
 import numpy as np
 
-root = Path(__file__).resolve().parent.parent
+root = Path(__file__).resolve().parent.parent.parent
 sys.path.insert(0, str(root))
 
 kRepeats = 7
@@ -168,11 +168,12 @@ def measure_memory(paths: list[Path]) -> dict:
     """Memory after each of 200 frames of the animated scene, in the process and in the core's caches."""
     bridge = importlib.import_module("addon.bridge")
     scene = open_scene(paths[0], 320, 180, 512)
+    settings = importlib.import_module("addon.preferences").session_settings(scene)
     resident, host, gpu = [], [], []
     for number in range(200):
         scene.frame_set(1 + number % 48)
         render(scene, ["sm", "pcf", "edsm"])
-        session = bridge.session(scene.shadow_layers.backend, scene.shadow_layers.threads)
+        session = bridge.session(settings.backend, settings.threads)
         resident.append(resident_bytes())
         host.append(session.host_bytes)
         gpu.append(session.gpu_bytes)
