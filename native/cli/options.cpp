@@ -108,6 +108,9 @@ void convert(const Raw& raw, Options& options) {
     for (const std::string& text : raw.map_sizes)
         options.map_sizes.push_back(parse_whole(text, 1, 1 << 20, "--map-size"));
     if (!raw.resolution.empty()) options.resolution = parse_size(raw.resolution);
+    if (options.verb == Verb::Render && options.files.size() > 1) {
+        throw CLI::ValidationError("FILE", "render takes one file, not '" + raw.files[1] + "' too");
+    }
     if (options.verb != Verb::Bench) {
         for (const Setting& setting : options.settings) {
             if (setting.values.size() > 1)
@@ -134,7 +137,7 @@ std::optional<int> parse_options(int argc, char** argv, Options& options) {
     Raw raw;
 
     CLI::App& render = *app.add_subcommand("render", "layers of a file to EXR and PNG");
-    render.add_option("FILE", raw.files, "scene file")->required()->expected(1)->type_name("");
+    render.add_option("FILE", raw.files, "scene file")->required()->expected(1, -1)->type_name("");
     add_scene_options(render, options, raw);
     render.add_option("--out", options.out, "folder (default: shadow_layers)")->type_name("DIR");
     render.add_option("--json", options.json, "the list of results (default: render.json in DIR)")->type_name("FILE");
@@ -164,6 +167,10 @@ std::optional<int> parse_options(int argc, char** argv, Options& options) {
     add_session_options(info, options);
 
     try {
+        const std::string first = argc > 1 ? argv[1] : "";
+        if (!first.empty() && first[0] != '-' && first != "render" && first != "bench" && first != "info") {
+            throw CLI::ValidationError("VERB", "'" + first + "' is none of render, bench and info");
+        }
         app.parse(argc, argv);
         options.verb = render.parsed() ? Verb::Render : bench.parsed() ? Verb::Bench : Verb::Info;
         convert(raw, options);
