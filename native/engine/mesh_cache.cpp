@@ -89,10 +89,6 @@ std::shared_ptr<GpuMesh> upload_mesh(Engine& engine, const Mesh& mesh) {
     gpu->numbered_index_buf = upload(engine, layout.numbered_triangles, "numbered triangles of " + mesh.name);
     gpu->triangle_count = std::uint32_t(mesh.triangles.size());
     gpu->dropped_count = layout.dropped_count;
-    if (gpu->dropped_count > 0)
-        engine.warn("mesh \"" + mesh.name + "\": " + std::to_string(gpu->dropped_count) + " of " +
-                    std::to_string(gpu->triangle_count) +
-                    " triangles are left out, because a vertex is not a finite number; check the object's modifiers");
     gpu->vertices = gl::VertexArray(engine.device(), mesh.name);
     gpu->vertices.set_float(kSlotPosition, 0, 3, 0);
     gpu->vertices.set_buffer(0, *gpu->position_buf, sizeof(glm::vec3));
@@ -102,16 +98,26 @@ std::shared_ptr<GpuMesh> upload_mesh(Engine& engine, const Mesh& mesh) {
     return gpu;
 }
 
+/// In every render, not only in the one that sends the mesh: a warning belongs to the picture.
+void warn_of_dropped(Engine& engine, const Mesh& mesh, const GpuMesh& gpu) {
+    if (gpu.dropped_count == 0) return;
+    engine.warn("mesh \"" + mesh.name + "\": " + std::to_string(gpu.dropped_count) + " of " +
+                std::to_string(gpu.triangle_count) +
+                " triangles are left out, because a vertex is not a finite number; check the object's modifiers");
+}
+
 }  // namespace
 
 std::shared_ptr<GpuMesh> MeshCache::get(Engine& engine, const Mesh& mesh) {
     const Key key{mesh.positions_key, mesh.topology_key};
     if (const auto found = index_.find(key); found != index_.end()) {
         entries_.splice(entries_.begin(), entries_, found->second);
+        warn_of_dropped(engine, mesh, *found->second->mesh);
         return found->second->mesh;
     }
     std::shared_ptr<GpuMesh> gpu = upload_mesh(engine, mesh);
     ++upload_count_;
+    warn_of_dropped(engine, mesh, *gpu);
     const std::size_t bytes = gpu->byte_size();
     while (!entries_.empty() && bytes_ + bytes > budget_bytes_) {
         bytes_ -= entries_.back().mesh->byte_size();

@@ -37,7 +37,7 @@ class MeshCache {
 public:
     explicit MeshCache(std::size_t budget_bytes) : budget_bytes_(budget_bytes) {}
 
-    /// Stays valid while the pointer is held, also when pushed out. Warns once per upload of dropped triangles.
+    /// Stays valid while the pointer is held, also when pushed out. Warns of dropped triangles, once per render.
     std::shared_ptr<GpuMesh> get(Engine& engine, const Mesh& mesh);
     void clear();
     std::size_t bytes() const { return bytes_; }
