@@ -127,7 +127,14 @@ class _Comparison:
                     extent = compute_sun_extent(seen, origin, light) if light.kind == "SUN" else 0.0
                     result = _LightResult(light, truth, cached, classes, extent)
                     self._add_light(captured, result, layers)
+        masks_ms = {r["light"]: r["truth_ms"]["total"] for r in self._records if r["frame"] == frame}
+        frame_record["truth_ms"] = round(sum(masks_ms.values()), 4)
         self._frames.append(frame_record)
+        self._progress.say(
+            f"{label}: F12 {frame_record['render_ms']:.0f} ms for {len(captured.layers)} layers, "
+            f"lights: {len(masks_ms)}; Cycles' masks of these lights {frame_record['truth_ms']:.0f} ms, "
+            f"{frame_record['truth_ms'] / frame_record['render_ms']:.1f} times as long"
+        )
         self._note(*captured.warnings, *store.notes)
 
     def _render_layers(self, frame: int, label: str) -> tuple[CapturedFrame, dict[str, Any]]:
