@@ -26,3 +26,12 @@ env_python() { printf '%s/bin/python' "$(env_dir "$1")"; }
 
 # True once the environment was made to its end.
 env_is_made() { [ -f "$(env_dir "$1")/.complete" ]; }
+
+# Ids of the techniques that users get, one a line, from a file that `shadowcore info --json FILE` wrote.
+technique_ids() {
+    /usr/bin/python3 -c '
+import json, sys
+for info in json.load(open(sys.argv[1], encoding="utf-8"))["techniques"]:
+    if not info["test_only"]:
+        print(info["id"])' "$1"
+}

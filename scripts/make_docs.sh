@@ -1,0 +1,44 @@
+#!/usr/bin/env bash
+# SPDX-FileCopyrightText: 2026 Shadow Layers contributors
+# SPDX-License-Identifier: GPL-3.0-or-later
+# Makes docs/techniques.md and every picture of docs/images/ anew, with the program itself.
+script_name=docs
+. "$(dirname "$0")/common.sh"
+
+"$root/scripts/setup.sh" build bpy45 test
+work=$root/out/docs
+images=$root/docs/images
+python=$(env_python bpy45)
+export SHADOW_LAYERS_NATIVE=$build_dir/python
+mkdir -p "$work" "$images"
+
+batch() { # BLEND VERB [options]; the output is shown where it fails
+    "$python" "$root/addon/batch.py" "$@" >"$work/log.txt" 2>&1 || { tail -n 20 "$work/log.txt" >&2; die "batch.py $*"; }
+}
+make_scene() { "$python" "$root/test_scenes/$1.py" "$work/$1.blend" >/dev/null || die "could not make scene $1"; }
+
+say "the table of techniques"
+"$build_dir/bin/shadowcore" info --json "$work/info.json" >/dev/null
+/usr/bin/python3 "$root/scripts/make_technique_table.py" "$work/info.json"
+mapfile -t techniques < <(technique_ids "$work/info.json")
+
+for scene in box jenga hall fence studio city; do
+    say "picture of scene $scene"
+    make_scene $scene
+    batch "$work/$scene.blend" render --samples 16 --out "$work/$scene"
+done
+convert "$work/studio/combined.png" -quality 92 "$images/studio.jpg"
+montage "$work"/{box,jenga,hall,fence,studio,city}/combined.png -resize 480x270 -tile 3x2 -geometry +4+4 \
+    -quality 90 "$images/scenes.jpg"
+
+# Truth, layer and difference of a part of the tower's shadow, four times enlarged, from a coarse map.
+say "pictures of the techniques: ${techniques[*]}"
+batch "$work/jenga.blend" compare --techniques "$(IFS=,; echo "${techniques[*]}")" --map-size 512 --out "$work/compare"
+for technique in "${techniques[@]}"; do
+    montage "$work/compare/Lamp_truth.png" "$work/compare/Lamp_$technique.png" "$work/compare/Lamp_${technique}_difference.png" \
+        -crop 200x150+800+390 +repage -filter point -resize 200% -tile 3x1 -geometry +4+4 -depth 8 "$images/$technique.png"
+done
+say "layers of the studio scene"
+batch "$work/studio.blend" render --techniques edsm --samples 16 --out "$work/layers"
+montage "$work"/layers/{Softbox,Spot,Bulb,Sun}_edsm.png -resize 480x270 -tile 2x2 -geometry +4+4 -quality 90 "$images/layers.jpg"
+say "done: docs/techniques.md and $(find "$images" -type f | wc -l) pictures in docs/images/"
