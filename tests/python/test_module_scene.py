@@ -159,7 +159,7 @@ def test_bad_positions_are_named(core, case):
 
 @pytest.mark.parametrize("value", [[[0.0, 0.0, 0.0]], None, "positions", 3])
 def test_no_array_is_a_type_error(core, value):
-    with pytest.raises(TypeError, match="positions.*NumPy array"):
+    with pytest.raises(TypeError, match=r"positions.*NumPy array"):
         core.Scene().add_mesh("box", value, small_scene.BOX_TRIANGLES)
 
 
