@@ -405,6 +405,24 @@ def test_strange_scenes_are_rendered(run, make_snapshot, snapshot_module, tmp_pa
     assert read_png(tmp_path / "c" / "Key_sm.png").min() == 255
 
 
+@pytest.mark.parametrize("backend", ["auto", "osmesa", "egl"])
+def test_without_gl_it_says_what_to_install(run, snapshot, tmp_path, backend):
+    for name in ("libOSMesa.so.8", "libOSMesa.so.6", "libOSMesa.so", "libEGL.so.1", "libEGL.so"):
+        (tmp_path / name).write_text("no library")
+    done = run("render", snapshot, "--backend", backend, env={"LD_LIBRARY_PATH": str(tmp_path)})
+    assert done.returncode == 1 and "error: no OpenGL" in done.stderr and "install" in done.stderr
+    assert ("OSMesa" in done.stderr) == (backend != "egl") and ("EGL" in done.stderr) == (backend != "osmesa")
+
+
+def test_500_lights_are_written_one_by_one(run, make_snapshot, snapshot_module, tmp_path):
+    lights = [snapshot_module.LightData("Same", "SUN", small_scene.looking_down(5.0)) for _ in range(500)]
+    snapshot = make_snapshot(lights=lights, jobs=[snapshot_module.Job(k, "sm", {"map_size": 64}) for k in range(500)])
+    done = run("render", snapshot, "--resolution", "16x12", "--out", "o")
+    assert done.returncode == 0, done.stderr
+    layers = json.loads((tmp_path / "o" / "render.json").read_text(encoding="utf-8"))["layers"]
+    assert len({layer["channel"] for layer in layers}) == len({layer["picture"] for layer in layers}) == 500
+
+
 def test_the_shader_folder_is_looked_for(run, root, snapshot, tmp_path):
     copy = tmp_path / "my shaders"
     shutil.copytree(root / "shaders", copy)
