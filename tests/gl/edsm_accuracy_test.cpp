@@ -141,6 +141,20 @@ TEST_F(EDSMTest, SoftBordersKeepTheirPlaceAndHaveTheWidthAsked) {
     }
 }
 
+TEST_F(EDSMTest, SoftEdgesInsideAShadowLetNoLightThrough) {
+    // The small plate's outline is seen from the light, but the large plate under it darkens both its sides on the ground.
+    SceneView view;
+    view.width = 96, view.height = 54;
+    view.place(view.add("ground", make_plane(8)));
+    view.place(view.add("large", make_plane(4)), placement({0, 0, 1}), kInstanceShadow);
+    view.place(view.add("small", make_plane(1)), placement({0, 0, 2}, 20), kInstanceShadow);
+    view.camera = make_camera({0, 0, 10}, {0, 0, 0}, view.width, view.height, 16);
+    view.scene->lights = {make_light(LightKind::Sun, {0, 0, 5}, {0, 0, 0})};
+    const auto run = runner_.render(view, "edsm", parameters({{"map_size", std::int64_t{128}}, {"softness", 6.0}}));
+    ASSERT_GE(run.stats.counters.at("edge_quads"), 4);
+    for (const float v : run.visibility()) ASSERT_EQ(v, 0);
+}
+
 TEST_F(EDSMTest, CountersTellTheWork) {
     SceneView view = box_scene(160, 90);
     view.scene->lights = {make_light(LightKind::Spot, kLamp, kAim)};

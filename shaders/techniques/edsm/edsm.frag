@@ -13,6 +13,20 @@ layout(location = 0) uniform float u_softness_texels;
 layout(location = 1) uniform float u_missing_texels;  // distance of a texel that holds no edge, soft kernel only
 layout(location = 0) out float visibility;
 
+float test_texel(MapPoint point, int layer, vec2 centre) {
+    return texture(depth_map_tx, vec4(centre * light.map.y, layer, reference_depth(point, centre - point.texel)));
+}
+
+#if SOFT
+// The kernel looks past the footprint, where an edge may well be a silhouette and yet no border of this receiver's
+// shadow: others may shade both its sides. A border is lit a texel outside of the edge and dark a texel inside.
+bool is_border(EdgeTexel edge, vec2 centre, MapPoint point, int layer) {
+    vec2 foot = centre - edge.normal * edge.distance;
+    vec2 outside = floor(foot + edge.normal) + 0.5, inside = floor(foot - edge.normal) + 0.5;
+    return test_texel(point, layer, outside) > 0.5 && test_texel(point, layer, inside) < 0.5;
+}
+#endif
+
 EdgeTexel fetch_edge(ivec2 texel, int layer, float depth_rz) {
     ivec2 inside = clamp(texel, ivec2(0), ivec2(int(light.map.x) - 1));
     vec4 stored = texelFetch(edge_map_tx, ivec3(inside, max(layer, 0)), 0);
@@ -27,10 +41,7 @@ void main() {
     vec2 at = point.texel - 0.5 - corner;
 
     vec4 lit;
-    for (int k = 0; k < 4; ++k) {
-        vec2 centre = corner + 0.5 + kCorners[k];
-        lit[k] = texture(depth_map_tx, vec4(centre * light.map.y, layer, reference_depth(point, centre - point.texel)));
-    }
+    for (int k = 0; k < 4; ++k) lit[k] = test_texel(point, layer, corner + 0.5 + kCorners[k]);
     bool decided = receiver.fixed_visibility != kMapDecides;
     bool agree = lit.x == lit.y && lit.x == lit.z && lit.x == lit.w;
     // A software rasteriser executes both sides of a branch; only the trips of a loop can be saved, so that the four
@@ -46,6 +57,9 @@ void main() {
     for (int k = 0; k < trips; ++k) {
         ivec2 offset = ivec2(k & 1, k >> 1);
         EdgeTexel texel = fetch_edge(ivec2(corner) + offset, layer, point.depth_rz);
+#if SOFT
+        texel.relevant = texel.relevant && is_border(texel, corner + 0.5 + vec2(offset), point, layer);
+#endif
         add_texel(estimate, texel, vec2(offset), weights[k], signs[k], signs, at, agree ? u_missing_texels : 0.5);
     }
 #if SOFT
