@@ -39,6 +39,7 @@ std::vector<Group> make_groups(Engine& engine, const Scene& scene, const std::ve
         const std::uint32_t mesh = scene.instances[order[begin]].mesh;
         while (end < order.size() && scene.instances[order[end]].mesh == mesh) ++end;
         if (scene.meshes[mesh]->triangles.empty()) continue;
+        engine.check_cancelled();  // sending a mesh may take a while
         groups.push_back({begin, end, engine.meshes().get(engine, *scene.meshes[mesh])});
     }
     return groups;

@@ -77,8 +77,13 @@ void FramePool::give(Buffers buffers) {
     if (free_.size() > kFreeFrames) free_.pop_back();
 }
 
+void FramePool::clear() {
+    free_.clear();
+    scratch_ = {};
+}
+
 std::size_t FramePool::host_bytes() const {
-    std::size_t bytes = 0;
+    std::size_t bytes = (scratch_.position_texels.capacity() + scratch_.normal_texels.capacity()) * sizeof(glm::vec4);
     for (const Buffers& b : free_)
         bytes += (b.positions_rel.capacity() + b.normals.capacity()) * sizeof(glm::vec3) +
                  b.ids.capacity() * sizeof(PixelIds) + b.coverage.capacity();
@@ -137,15 +142,17 @@ std::shared_ptr<const Frame> FrameMaker::make(const glm::dvec2& offset_px) {
         return found->frame;
     }
     std::shared_ptr<Frame> frame = make_empty(offset_px);
-    if (!visibility_ || visibility_->width() != frame->width || visibility_->height() != frame->height)
-        visibility_.emplace(engine_, frame->width, frame->height);
-    visibility_->draw(engine_, *view_.scene, frame->camera, instance_bounds_ws_, frame->ids);
+    FramePool::Scratch& scratch = pool_->scratch();
+    if (!scratch.visibility || scratch.visibility->width() != frame->width ||
+        scratch.visibility->height() != frame->height)
+        scratch.visibility.emplace(engine_, frame->width, frame->height);
+    scratch.visibility->draw(engine_, *view_.scene, frame->camera, instance_bounds_ws_, frame->ids);
     const auto timer = engine_.time_stage("frame_resolve");
-    position_texels_.resize(frame->pixel_count());
-    normal_texels_.resize(frame->pixel_count());
-    resolve_receivers(engine_.threads(), *frame, {position_texels_, normal_texels_});
-    frame->position_tx->upload(position_texels_.data());
-    frame->normal_tx->upload(normal_texels_.data());
+    scratch.position_texels.resize(frame->pixel_count());
+    scratch.normal_texels.resize(frame->pixel_count());
+    resolve_receivers(engine_.threads(), *frame, {scratch.position_texels, scratch.normal_texels});
+    frame->position_tx->upload(scratch.position_texels.data());
+    frame->normal_tx->upload(scratch.normal_texels.data());
     keep(offset_px, frame);
     return frame;
 }

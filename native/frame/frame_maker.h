@@ -35,10 +35,17 @@ public:
     };
     std::optional<Buffers> take(int width, int height);
     void give(Buffers buffers);
-    void clear() { free_.clear(); }
+    /// What one frame needs while it is made; also too costly to make anew for each render.
+    struct Scratch {
+        std::optional<VisibilityBuffer> visibility;
+        std::vector<glm::vec4> position_texels, normal_texels;
+    };
+    Scratch& scratch() { return scratch_; }
+    void clear();
     std::size_t host_bytes() const;
 
 private:
+    Scratch scratch_;
     std::list<Buffers> free_;  ///< most recent first
 };
 
@@ -62,8 +69,6 @@ private:
     FrameView view_;
     ContentKey scene_key_;
     std::vector<Bounds> instance_bounds_ws_;
-    std::optional<VisibilityBuffer> visibility_;
-    std::vector<glm::vec4> position_texels_, normal_texels_;
     struct Kept {
         glm::dvec2 offset_px;
         std::shared_ptr<const Frame> frame;
