@@ -2,6 +2,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """shadow_core.Session: pictures out, threads, callbacks, cancelling, closing, the interpreter's end."""
 
+import os
 import signal
 import subprocess
 import sys
@@ -348,3 +349,20 @@ def test_killed_by_a_signal_it_dies_at_once(start_python):
         render_long()
     """)
     assert done.returncode == -signal.SIGTERM
+
+
+def test_without_gl_it_says_what_to_install(module_dir, shader_dir, tmp_path):
+    for name in ("libOSMesa.so.8", "libOSMesa.so.6", "libOSMesa.so", "libEGL.so.1", "libEGL.so"):
+        (tmp_path / name).write_text("no library")
+    code = f"""
+import sys
+sys.path.insert(0, {str(module_dir)!r})
+import shadow_core
+try:
+    shadow_core.Session(shader_dir={shader_dir!r})
+except shadow_core.ContextError as error:
+    print(error)
+"""
+    environment = os.environ | {"LD_LIBRARY_PATH": str(tmp_path)}
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, env=environment, check=True)
+    assert "install" in done.stdout and "OSMesa" in done.stdout and "EGL" in done.stdout
