@@ -28,17 +28,17 @@ for scene in box jenga hall fence studio city; do
     batch "$work/$scene.blend" render --samples 16 --out "$work/$scene"
 done
 convert "$work/studio/combined.png" -quality 92 "$images/studio.jpg"
-montage "$work"/{box,jenga,hall,fence,studio,city}/combined.png -resize 480x270 -tile 3x2 -geometry +4+4 \
+montage "$work"/{box,jenga,hall,fence,studio,city}/combined.png -resize 480x270 -tile 3x2 -geometry +4+4 -background '#8a8f98' \
     -quality 90 "$images/scenes.jpg"
 
 # Truth, layer and difference of a part of the tower's shadow, four times enlarged, from a coarse map.
 say "pictures of the techniques: ${techniques[*]}"
-batch "$work/jenga.blend" compare --techniques "$(IFS=,; echo "${techniques[*]}")" --map-size 512 --out "$work/compare"
+batch "$work/jenga.blend" compare --techniques "$(IFS=,; echo "${techniques[*]}")" --map-size 256 --out "$work/compare"
 for technique in "${techniques[@]}"; do
     montage "$work/compare/Lamp_truth.png" "$work/compare/Lamp_$technique.png" "$work/compare/Lamp_${technique}_difference.png" \
-        -crop 200x150+800+390 +repage -filter point -resize 200% -tile 3x1 -geometry +4+4 -depth 8 "$images/$technique.png"
+        -crop 200x150+800+390 +repage -filter point -resize 200% -tile 3x1 -geometry +4+4 -background '#8a8f98' -depth 8 "$images/$technique.png"
 done
 say "layers of the studio scene"
 batch "$work/studio.blend" render --techniques edsm --samples 16 --out "$work/layers"
-montage "$work"/layers/{Softbox,Spot,Bulb,Sun}_edsm.png -resize 480x270 -tile 2x2 -geometry +4+4 -quality 90 "$images/layers.jpg"
+montage "$work"/layers/{Softbox,Spot,Bulb,Sun}_edsm.png -resize 480x270 -tile 2x2 -geometry +4+4 -background '#8a8f98' -quality 90 "$images/layers.jpg"
 say "done: docs/techniques.md and $(find "$images" -type f | wc -l) pictures in docs/images/"
