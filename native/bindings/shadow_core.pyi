@@ -1,7 +1,7 @@
 # SPDX-FileCopyrightText: 2026 Shadow Layers contributors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The native core. Arrays in: C-contiguous NumPy of the dtype named (kept, not copied). Arrays out: float32, row 0 at the
-bottom. Matrices are row-major (NumPy's [row][column]), float64. Errors name the culprit and the remedy."""
+"""The native core. Arrays in: C-contiguous NumPy of the dtype named (kept, not copied). Arrays out: float32, row 0 at
+the bottom. Matrices are row-major (NumPy's [row][column]), float64. Errors name the culprit and the remedy."""
 
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any, TypedDict
@@ -128,9 +128,16 @@ class FrameResult:
 
 class Session:
     """One GL context on a private thread. Renders are worked one at a time; the GIL is released meanwhile.
-    After close() everything but close() and cancel() raises Error. Open sessions are closed when the interpreter ends."""
+    After close() everything but close() and cancel() raises Error. Open sessions are closed when the interpreter
+    ends."""
     def __init__(
-        self, *, backend: str = "auto", threads: int = 0, shader_dir: str, gpu_cache_bytes: int = 1 << 30, debug: bool = False
+        self,
+        *,
+        backend: str = "auto",
+        threads: int = 0,
+        shader_dir: str,
+        gpu_cache_bytes: int = 1 << 30,
+        debug: bool = False,
     ) -> None: ...
     info: dict[str, Any]  # backend, gl_version, gl_renderer, gl_vendor, threads, max_texture_size, software
     def render(
