@@ -27,6 +27,11 @@ Light light_of(LightKind kind, glm::dvec3 place, glm::dvec3 target, double spot_
     return testing::make_light(kind, place, target, spot_angle_deg);
 }
 
+/// The views of the light's centre, by value: a loop may go over them.
+std::vector<LightView> make_views(const Frame& frame, const Light& light, const ViewSettings& settings) {
+    return make_light_positions(frame, light, settings).at(0).views;
+}
+
 /// The same for a scene that is moved and scaled as a whole.
 SceneView transform_view(const SceneView& view, double scale, const glm::dvec3& offset) {
     SceneView moved = view;
@@ -209,7 +214,7 @@ TEST_P(LightViewsOfKind, KeysFollowWhatCastsAndNothingElse) {
         std::set<ContentKey> keys;
         Frame frame = frame_of(view);  // the same receivers
         frame.scene = v.scene;
-        for (const LightView& map : make_light_positions(frame, light, {})[0].views) keys.insert(map.key);
+        for (const LightView& map : make_views(frame, light, {})) keys.insert(map.key);
         return keys;
     };
     const auto changed = [&](auto act) {
@@ -235,7 +240,7 @@ TEST_P(LightViewsOfKind, BlockerSetChoosesCasters) {
     view.scene->instances[1].blocker_group = 5;
     Light light = light_of(GetParam(), {2.3, -1.7, 6.4}, {0.2, 0.1, 0.3});
     light.blocker_set = ~(std::uint64_t{1} << 5);
-    for (const LightView& map : make_light_positions(frame_of(view), light, {})[0].views)
+    for (const LightView& map : make_views(frame_of(view), light, {}))
         EXPECT_EQ(std::count(map.casters.begin(), map.casters.end(), 1u), 0);
     view.scene->instances[0].receiver_group = 7;
     view.scene->instances[1].receiver_group = 7;
@@ -288,7 +293,7 @@ TEST(LightViews, DepthIsOneAtTheNearPlaneAndZeroAtTheFarPlane) {
     const SceneView view = testing::box_scene(kWidth, kHeight);
     const Frame frame = frame_of(view);
     for (const LightKind kind : {LightKind::Sun, LightKind::Spot, LightKind::Point}) {
-        for (const LightView& map : make_light_positions(frame, light_of(kind, {2, 1, 5}, {0, 0, 0}), {})[0].views) {
+        for (const LightView& map : make_views(frame, light_of(kind, {2, 1, 5}, {0, 0, 0}), {})) {
             const auto depth = [&](double along) {
                 const glm::dvec4 clip = map.lc_from_ls * glm::dvec4(0.1 * along, -0.05 * along, -along, 1);
                 return clip.z / clip.w;
