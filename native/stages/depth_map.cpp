@@ -66,8 +66,8 @@ std::shared_ptr<const DepthMap> render_depth_map(Engine& engine, const Scene& sc
     builder.add(slope_factor).add(position.views.size());
     for (const LightView& view : position.views) builder.add(view.key);
     const ContentKey key = builder.key();
-    auto map = engine.stages().get<DepthMap>(
-        key, [&] { return draw_depth_map(engine, scene, position, slope_factor, key); });
+    auto map =
+        engine.stages().get<DepthMap>(key, [&] { return draw_depth_map(engine, scene, position, slope_factor, key); });
     engine.count("map_bytes", std::int64_t(map->byte_size()));
     return map;
 }

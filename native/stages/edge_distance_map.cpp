@@ -28,7 +28,8 @@ class FragmentCounter {
 public:
     explicit FragmentCounter(const GladGLContext& gl)
         : gl_(gl),
-          target_(has_extension(gl, "GL_ARB_pipeline_statistics_query") ? kFragmentShaderInvocations : GL_SAMPLES_PASSED) {
+          target_(has_extension(gl, "GL_ARB_pipeline_statistics_query") ? kFragmentShaderInvocations
+                                                                        : GL_SAMPLES_PASSED) {
         gl_.GenQueries(1, &query_);
         gl_.BeginQuery(target_, query_);
     }
@@ -73,12 +74,13 @@ std::shared_ptr<const EdgeDistanceMap> draw_edge_distance_map(Engine& engine, co
     const auto timer = engine.time_stage("edge_distance_map");
     const gl::Texture& depth_tx = *depth_map.texture;
     auto texture = std::make_shared<gl::Texture>(
-        engine.device(), gl::TextureDesc{GL_RGBA16F, depth_tx.width(), depth_tx.height(), depth_tx.layers()}, "edge map");
+        engine.device(), gl::TextureDesc{GL_RGBA16F, depth_tx.width(), depth_tx.height(), depth_tx.layers()},
+        "edge map");
     auto priority_tx = std::make_shared<gl::Texture>(
         engine.device(), gl::TextureDesc{GL_DEPTH_COMPONENT32F, depth_tx.width(), depth_tx.height()}, "edge priority");
-    const gl::Program& program = engine.program("stages/edge_distance_map.vert", "stages/edge_distance_map.frag",
-                                                {{"EDGE_ORDER", std::to_string(int(options.order))},
-                                                 {"OWN_TEXEL_TEST", options.own_texel_test ? "1" : "0"}});
+    const gl::Program& program = engine.program(
+        "stages/edge_distance_map.vert", "stages/edge_distance_map.frag",
+        {{"EDGE_ORDER", std::to_string(int(options.order))}, {"OWN_TEXEL_TEST", options.own_texel_test ? "1" : "0"}});
     program.use();
     program.set("u_reach_texels", float(options.edges.reach_texels));
     program.set("u_size_texels", float(depth_tx.width()));
@@ -107,8 +109,9 @@ std::shared_ptr<const EdgeDistanceMap> draw_edge_distance_map(Engine& engine, co
 
 }  // namespace
 
-std::shared_ptr<const EdgeDistanceMap> render_edge_distance_map(Engine& engine, MapEdgeFinder& finder, const Scene& scene,
-                                                                const LightPosition& position, const DepthMap& depth_map,
+std::shared_ptr<const EdgeDistanceMap> render_edge_distance_map(Engine& engine, MapEdgeFinder& finder,
+                                                                const Scene& scene, const LightPosition& position,
+                                                                const DepthMap& depth_map,
                                                                 const EdgeDistanceOptions& options) {
     const ContentKey key = KeyBuilder("edge_distance_map")
                                .add(depth_map.key)

@@ -28,9 +28,11 @@ struct EdgeDistanceOptions {
     bool own_texel_test = false;  ///< an edge is seen if it passes the test of the texel itself, as in the thesis
 };
 
-/// Cached by the depth map's key and the options. Counts "silhouette_edges", "edge_quads", "edge_fragments", "map_bytes".
-std::shared_ptr<const EdgeDistanceMap> render_edge_distance_map(Engine& engine, MapEdgeFinder& finder, const Scene& scene,
-                                                                const LightPosition& position, const DepthMap& depth_map,
+/// Cached by the depth map's key and the options. Counts "silhouette_edges", "edge_quads", "edge_fragments",
+/// "map_bytes".
+std::shared_ptr<const EdgeDistanceMap> render_edge_distance_map(Engine& engine, MapEdgeFinder& finder,
+                                                                const Scene& scene, const LightPosition& position,
+                                                                const DepthMap& depth_map,
                                                                 const EdgeDistanceOptions& options);
 
 }  // namespace shadow_layers

@@ -20,7 +20,8 @@ bool cut(double at_start, double at_end, double& from, double& to) {
 glm::vec4 to_texels(const LightView& view, const glm::dvec4& point_lc, bool foreshortened) {
     const glm::dvec3 ndc = glm::dvec3(point_lc) / point_lc.w;
     const double width = foreshortened && view.perspective ? std::min(1.0, view.near_ls / point_lc.w) : 1.0;
-    return glm::vec4(glm::dvec4((glm::dvec2(ndc) + 1.0) * (0.5 * view.size_texels), std::clamp(ndc.z, 0.0, 1.0), width));
+    return glm::vec4(
+        glm::dvec4((glm::dvec2(ndc) + 1.0) * (0.5 * view.size_texels), std::clamp(ndc.z, 0.0, 1.0), width));
 }
 
 struct InstanceEdges {
@@ -42,11 +43,12 @@ std::vector<InstanceEdges> find_by_instance(Engine& engine, AdjacencyCache& cach
         }
         found.push_back({instance, {}});
     }
-    const LightPoint light = position.directional ? LightPoint(position.to_light_ws, 0.0) : LightPoint(position.position_ws, 1.0);
+    const LightPoint light =
+        position.directional ? LightPoint(position.to_light_ws, 0.0) : LightPoint(position.position_ws, 1.0);
     const auto find_one = [&](InstanceEdges& item, ThreadPool* threads) {
         const Instance& instance = scene.instances[item.instance];
-        item.edges = find_silhouettes(*scene.meshes[instance.mesh], meshes.at(instance.mesh), instance.world_from_object, light,
-                                      options, threads);
+        item.edges = find_silhouettes(*scene.meshes[instance.mesh], meshes.at(instance.mesh),
+                                      instance.world_from_object, light, options, threads);
     };
     // Few instances are likely large ones: share each between the threads. Of many, give each thread its own.
     if (found.size() < 8) {
@@ -95,8 +97,8 @@ std::vector<MapEdge> project_to_view(Engine& engine, const Scene& scene, const s
 
 }  // namespace
 
-bool project_edge(const LightView& view, glm::dvec4 start_lc, glm::dvec4 end_lc, double reach_texels, bool foreshortened,
-                  MapEdge& result) {
+bool project_edge(const LightView& view, glm::dvec4 start_lc, glm::dvec4 end_lc, double reach_texels,
+                  bool foreshortened, MapEdge& result) {
     const double rim = 1.0 + 2.0 * reach_texels / view.size_texels;
     const double least_w = view.perspective ? 1e-4 * view.near_ls : 0.5;
     double from = 0, to = 1;

@@ -13,10 +13,11 @@
 namespace shadow_layers {
 
 /// An edge in light clip space to an edge in the map: cut at the near side (w > 0), at the far plane and at a frame of
-/// `reach_texels` round the map, all in double. False if nothing is left. `foreshortened`: quads keep their width in texels
-/// (false), or shrink with the distance from the light as if built before the perspective division (true, w = near / w).
-bool project_edge(const LightView& view, glm::dvec4 start_lc, glm::dvec4 end_lc, double reach_texels, bool foreshortened,
-                  MapEdge& result);
+/// `reach_texels` round the map, all in double. False if nothing is left. `foreshortened`: quads keep their width in
+/// texels (false), or shrink with the distance from the light as if built before the perspective division (true, w =
+/// near / w).
+bool project_edge(const LightView& view, glm::dvec4 start_lc, glm::dvec4 end_lc, double reach_texels,
+                  bool foreshortened, MapEdge& result);
 
 struct MapEdgeOptions {
     SilhouetteOptions silhouettes;

@@ -26,17 +26,20 @@ LightParams make_light_params(const Frame& frame, const Light& light, const Ligh
     const glm::dmat4 ws_from_rel = glm::translate(glm::dmat4(1.0), frame.origin_ws);
     for (std::size_t layer = 0; layer < std::min<std::size_t>(position.views.size(), kMaxViews); ++layer)
         params.lc_from_rel[layer] = glm::mat4(position.views[layer].lc_from_ws * ws_from_rel);
-    // Along the axes the difference to a far light is taken in double: what lies across the axis of a narrow cone is small.
+    // Along the axes the difference to a far light is taken in double: what lies across the axis of a narrow cone is
+    // small.
     const glm::dvec3 place_rel = position.position_ws - frame.origin_ws;
     for (int axis = 0; axis < 3; ++axis)
-        params.axes_rel[axis] = glm::vec4(glm::dvec4(position.axes_ws[axis], glm::dot(position.axes_ws[axis], place_rel)));
-    params.place_rel = position.directional ? glm::vec4(glm::vec3(position.to_light_ws), 0.0f)
-                                            : glm::vec4(glm::vec3(place_rel), 1.0f);
+        params.axes_rel[axis] =
+            glm::vec4(glm::dvec4(position.axes_ws[axis], glm::dot(position.axes_ws[axis], place_rel)));
+    params.place_rel =
+        position.directional ? glm::vec4(glm::vec3(position.to_light_ws), 0.0f) : glm::vec4(glm::vec3(place_rel), 1.0f);
     params.cone = glm::vec4(float(position.cone_cos), float(position.cone_sin), 0.0f, 0.0f);
     set_cube_layers(params, position);
     if (!position.views.empty()) {
         const LightView& view = position.views.front();
-        params.map = glm::vec4(float(view.size_texels), 1.0f / float(view.size_texels), float(view.border_texels), 0.0f);
+        params.map =
+            glm::vec4(float(view.size_texels), 1.0f / float(view.size_texels), float(view.border_texels), 0.0f);
     } else {
         params.map = glm::vec4(1.0f, 1.0f, 0.0f, 0.0f);
     }

@@ -7,8 +7,8 @@
 
 #include "engine/engine.h"
 #include "frame/frame.h"
-#include "lights/light_views.h"
 #include "light_params.h"
+#include "lights/light_views.h"
 
 namespace shadow_layers {
 

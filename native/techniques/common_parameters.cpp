@@ -18,10 +18,10 @@ ParameterSpec map_size_parameter() {
     return spec;
 }
 
-std::vector<LightKind> all_light_kinds() { return {LightKind::Sun, LightKind::Spot, LightKind::Point, LightKind::Area}; }
-
-std::vector<OutputSpec> visibility_output() {
-    return {{"visibility", "", 1, "1 = lit, 0 = in shadow"}};
+std::vector<LightKind> all_light_kinds() {
+    return {LightKind::Sun, LightKind::Spot, LightKind::Point, LightKind::Area};
 }
+
+std::vector<OutputSpec> visibility_output() { return {{"visibility", "", 1, "1 = lit, 0 = in shadow"}}; }
 
 }  // namespace shadow_layers

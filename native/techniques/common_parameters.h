@@ -11,8 +11,8 @@ ParameterSpec map_size_parameter();
 std::vector<LightKind> all_light_kinds();
 std::vector<OutputSpec> visibility_output();
 
-/// Texels that 2 x 2 lookups may reach over the rim of a view. sm, pcf with one tap and edsm ask for the same border, so
-/// that they share views and depth maps.
+/// Texels that 2 x 2 lookups may reach over the rim of a view. sm, pcf with one tap and edsm ask for the same border,
+/// so that they share views and depth maps.
 inline constexpr int kFootprintBorderTexels = 2;
 
 }  // namespace shadow_layers

@@ -45,8 +45,8 @@ public:
     /// Compiles programs, checks limits. Idempotent; called before each render with the parameters in force.
     virtual void prepare(Engine& engine, const ParameterValues& parameters) = 0;
 
-    /// Fills every output channel that the descriptor declares. `visibility` is in [0, 1]: 1 = lit; 0 on faces turned away;
-    /// 1 in the background, outside the cone, and for receivers that the light is not linked to.
+    /// Fills every output channel that the descriptor declares. `visibility` is in [0, 1]: 1 = lit; 0 on faces turned
+    /// away; 1 in the background, outside the cone, and for receivers that the light is not linked to.
     virtual void render(Engine& engine, const LightTask& task, LayerOutputs& outputs) = 0;
 };
 

@@ -35,7 +35,8 @@ EdgeSample sample_edge(vec2 point, vec2 start, vec2 end) {
     result.end_distance = length(offset);
     vec2 direction = len > 0.0 ? along / len
                    : result.end_distance > 0.0 ? vec2(-offset.y, offset.x) / result.end_distance : vec2(1.0, 0.0);
-    // [Kenzel13] Eq. 3.7 gives (a, b) = (y1 - y2, x2 - x1); Eq. 3.3 needs it divided by sqrt(a^2 + b^2) to be a distance.
+    // [Kenzel13] Eq. 3.7 gives (a, b) = (y1 - y2, x2 - x1); Eq. 3.3 needs it divided by sqrt(a^2 + b^2) to be a
+    // distance.
     result.normal = vec2(-direction.y, direction.x);
     result.line_distance = dot(offset, result.normal);
     float run = dot(offset, direction);
@@ -45,17 +46,17 @@ EdgeSample sample_edge(vec2 point, vec2 start, vec2 end) {
     return result;
 }
 
-// [Kenzel13] Eq. 3.8 compares a cosine with a distance; p.e with e = (a, b, c) makes (p - p0).e = p.e, so as printed both
-// branches are |p.e|. The reading that gives the cone of figure 3.8: past an end, the cosine between the way from the
-// corner and the edge's own direction.
+// [Kenzel13] Eq. 3.8 compares a cosine with a distance; p.e with e = (a, b, c) makes (p - p0).e = p.e, so as printed
+// both branches are |p.e|. The reading that gives the cone of figure 3.8: past an end, the cosine between the way from
+// the corner and the edge's own direction.
 float thesis_priority(EdgeSample edge) {
     float distance_to_line = abs(edge.line_distance);
     if (edge.overshoot <= 0.0 || edge.end_distance <= 0.0) return distance_to_line;
     return max(edge.overshoot / edge.end_distance, distance_to_line);
 }
 
-// The order wanted: first the edge whose segment is nearest. Two edges that meet in a vertex tie wherever that vertex is
-// the nearest point of both; there the line that separates better is the one that the way to the vertex is more
+// The order wanted: first the edge whose segment is nearest. Two edges that meet in a vertex tie wherever that vertex
+// is the nearest point of both; there the line that separates better is the one that the way to the vertex is more
 // orthogonal to, which is the one with the larger distance to its *line*. Ties are exact (see sample_edge), so a small
 // weight makes one number of the pair; it can only change the order of edges whose distances differ by less than it.
 const float kOrthogonalityWeight = 1.0 / 256.0;

@@ -18,9 +18,10 @@ vec3 orthogonal_to(vec3 normal) {
     return tangent / max(length(tangent), 1e-30);
 }
 
-// Let P = M (p, 1) and q = P.xyz / P.w. Moving p by t moves q by (M3 t - q (w . t)) / P.w. The moves of two tangents span the
-// receiver's plane in map space, whose normal is their cross product n; on it, dz/dx = -n.x / n.z and dz/dy = -n.y / n.z.
-// A plane seen edge-on has n.z = 0: the gradient is then infinite, and is cut at `steepest` depth units per texel.
+// Let P = M (p, 1) and q = P.xyz / P.w. Moving p by t moves q by (M3 t - q (w . t)) / P.w. The moves of two tangents
+// span the receiver's plane in map space, whose normal is their cross product n; on it, dz/dx = -n.x / n.z and dz/dy =
+// -n.y / n.z. A plane seen edge-on has n.z = 0: the gradient is then infinite, and is cut at `steepest` depth units
+// per texel.
 MapPoint project_receiver(mat4 lc_from_rel, vec3 position_rel, vec3 normal, float size_texels) {
     const float steepest = 1.0;
     vec4 position_lc = lc_from_rel * vec4(position_rel, 1.0);
@@ -50,8 +51,8 @@ MapPoint project_receiver(mat4 lc_from_rel, vec3 position_rel, vec3 normal, floa
     return point;
 }
 
-// Depth to compare with the map at a texel's centre, `offset` texels from the receiver. The receiver's plane is followed
-// only where it comes nearer to the light: following it away too would darken concave surfaces (algorithm B of
+// Depth to compare with the map at a texel's centre, `offset` texels from the receiver. The receiver's plane is
+// followed only where it comes nearer to the light: following it away too would darken concave surfaces (algorithm B of
 // docs/techniques/edsm.md). The slope of the caster is in the map already (stages/depth_map.h).
 float reference_depth(MapPoint point, vec2 offset) {
     return max(point.depth_rz + max(dot(point.gradient, offset), 0.0) + point.rounding, 0.0);

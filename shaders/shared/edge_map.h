@@ -17,9 +17,9 @@ struct MapEdge {
     vec4 end;
 };
 
-// Texel of the edge distance map (RGBA16F): unit normal of the nearest edge's line (towards its lit side), signed distance
-// of the texel's centre along it in texels, depth_rz of the edge at its nearest point. The clear value lies behind all.
-// Half floats put a border within 1/500 texel of where it belongs, at half the memory traffic.
+// Texel of the edge distance map (RGBA16F): unit normal of the nearest edge's line (towards its lit side), signed
+// distance of the texel's centre along it in texels, depth_rz of the edge at its nearest point. The clear value lies
+// behind all. Half floats put a border within 1/500 texel of where it belongs, at half the memory traffic.
 const float kNoEdgeDepth = -1.0f;
 const float kEdgeDepthRounding = 1.0f / 1024.0f;  // relative, of a depth in a half float, with some room
 

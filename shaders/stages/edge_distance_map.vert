@@ -1,7 +1,8 @@
 // SPDX-FileCopyrightText: 2026 Shadow Layers contributors
 // SPDX-License-Identifier: GPL-3.0-or-later
-// A quad along each edge, wide enough that every texel whose 2 x 2 neighbourhood the edge can cross is drawn, and longer
-// than the edge by as much, so that the quads of edges that meet overlap. Six vertices per edge, pulled from one buffer.
+// A quad along each edge, wide enough that every texel whose 2 x 2 neighbourhood the edge can cross is drawn, and
+// longer than the edge by as much, so that the quads of edges that meet overlap. Six vertices per edge, pulled from
+// one buffer.
 // Based on: [Kenzel13] 3.2.2.
 #include "shared/edge_map.h"
 

@@ -1,7 +1,8 @@
 // SPDX-FileCopyrightText: 2026 Shadow Layers contributors
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Where are silhouettes cheapest? The product's finder on the CPU against a compute shader and a geometry shader, on
-// closed meshes of growing size (medians of 15 runs; adjacency and uploads are not counted, they are kept between frames).
+// closed meshes of growing size (medians of 15 runs; adjacency and uploads are not counted, they are kept between
+// frames).
 //
 //     silhouette_bench [OBJ...]
 #include <algorithm>
@@ -47,7 +48,8 @@ out vec3 place;
 void main() { place = in_position; gl_Position = vec4(in_position, 1.0); }
 )";
 
-// [Kenzel13] 4.2.1: one triangle with its neighbours, one quad's worth of vertices per silhouette edge of a facing triangle.
+// [Kenzel13] 4.2.1: one triangle with its neighbours, one quad's worth of vertices per silhouette edge of a facing
+// triangle.
 const char* const kGeometry = R"(#version 450 core
 layout(triangles_adjacency) in;
 layout(triangle_strip, max_vertices = 12) out;
@@ -89,8 +91,8 @@ double median_ms(const std::function<void()>& work) {
 }
 
 struct Pairs {
-    std::vector<glm::uvec4> edges;          ///< a, b, apex whose triangle runs a to b, apex of the other
-    std::vector<std::uint32_t> adjacency;   ///< six indices per triangle, GL_TRIANGLES_ADJACENCY
+    std::vector<glm::uvec4> edges;         ///< a, b, apex whose triangle runs a to b, apex of the other
+    std::vector<std::uint32_t> adjacency;  ///< six indices per triangle, GL_TRIANGLES_ADJACENCY
 };
 
 Pairs collect_pairs(const Mesh& mesh, const MeshAdjacency& adjacency) {
@@ -127,7 +129,8 @@ void bench(Engine& engine, const std::string& name, const MeshData& data) {
     const MeshEdges edges = cache.get(*mesh, &engine.threads());
     const LightPoint light(1.3, 2.1, 4.7, 1.0);
     std::size_t cpu_found = 0;
-    const double two = median_ms([&] { cpu_found = find_silhouettes(*mesh, edges, glm::dmat4(1), light, {}, &engine.threads()).size(); });
+    const double two = median_ms(
+        [&] { cpu_found = find_silhouettes(*mesh, edges, glm::dmat4(1), light, {}, &engine.threads()).size(); });
     const double one = median_ms([&] { find_silhouettes(*mesh, edges, glm::dmat4(1), light, {}, nullptr); });
 
     const gl::Device& device = engine.device();
@@ -158,8 +161,11 @@ void bench(Engine& engine, const std::string& name, const MeshData& data) {
     vertices.set_float(0, 0, 3, 0);
     vertices.set_buffer(0, position_buf, 12);
     vertices.set_index_buffer(index_buf);
-    const gl::Program geometry(device, {{GL_VERTEX_SHADER, kVertex, {"vertex"}}, {GL_GEOMETRY_SHADER, with_side(kGeometry), {"geometry"}},
-                                        {GL_FRAGMENT_SHADER, kFragment, {"fragment"}}}, "silhouettes");
+    const gl::Program geometry(device,
+                               {{GL_VERTEX_SHADER, kVertex, {"vertex"}},
+                                {GL_GEOMETRY_SHADER, with_side(kGeometry), {"geometry"}},
+                                {GL_FRAGMENT_SHADER, kFragment, {"fragment"}}},
+                               "silhouettes");
     auto depth = std::make_shared<gl::Texture>(device, gl::TextureDesc{GL_DEPTH_COMPONENT32F, 16, 16}, "target");
     gl::Framebuffer target(device, "target");
     target.attach_depth(depth);
@@ -179,9 +185,11 @@ void bench(Engine& engine, const std::string& name, const MeshData& data) {
         engine.finish();
     });
     gl.DeleteQueries(1, &query);
-    std::printf("%-16s %8zu triangles | CPU 1 thread %7.2f ms, %d threads %7.2f ms (%zu edges) | compute %7.2f ms (%u) | "
-                "geometry %7.2f ms (%u)\n", name.c_str(), mesh->triangles.size(), one, engine.threads().thread_count(), two, cpu_found,
-                by_compute, compute_found, by_geometry, geometry_primitives / 2);
+    std::printf(
+        "%-16s %8zu triangles | CPU 1 thread %7.2f ms, %d threads %7.2f ms (%zu edges) | compute %7.2f ms (%u) | "
+        "geometry %7.2f ms (%u)\n",
+        name.c_str(), mesh->triangles.size(), one, engine.threads().thread_count(), two, cpu_found, by_compute,
+        compute_found, by_geometry, geometry_primitives / 2);
 }
 
 }  // namespace
@@ -190,6 +198,7 @@ int main(int count, char** words) {
     TechniqueRunner runner;
     for (const int rings : {67, 158, 353}) bench(runner.engine(), "ball", make_sphere(1, rings, 2 * rings));
     for (int k = 1; k < count; ++k)
-        if (const auto model = load_obj(words[k])) bench(runner.engine(), std::string(words[k]).substr(std::string(words[k]).rfind('/') + 1), *model);
+        if (const auto model = load_obj(words[k]))
+            bench(runner.engine(), std::string(words[k]).substr(std::string(words[k]).rfind('/') + 1), *model);
     return 0;
 }

@@ -5,8 +5,9 @@
 //     technique_bench [--scenes box,tower,random] [--models DIR] [--map-size N] [--lights N] [--kind spot|sun|point]
 //                     [--rounds N] [--all]
 //
-// "wrong" is the mean over the lights; "ratio" is to sm's. "plane" counts the ground alone. Times are medians of `rounds`
-// renders with cold stage caches, frame included; their ratio is taken pair by pair, so that a busy machine hurts less.
+// "wrong" is the mean over the lights; "ratio" is to sm's. "plane" counts the ground alone. Times are medians of
+// `rounds` renders with cold stage caches, frame included; their ratio is taken pair by pair, so that a busy machine
+// hurts less.
 #include <algorithm>
 #include <cstdio>
 #include <cstdlib>
@@ -48,13 +49,20 @@ Options read_options(int count, char** words) {
         }
         if (k + 1 >= count) stop("\"" + word + "\" needs a value or is not known");
         const std::string value = words[++k];
-        if (word == "--scenes") options.scenes = value;
-        else if (word == "--models") options.models = value;
-        else if (word == "--kind") options.kind = value;
-        else if (word == "--map-size") options.map_size = std::atoi(value.c_str());
-        else if (word == "--lights") options.lights = std::max(1, std::atoi(value.c_str()));
-        else if (word == "--rounds") options.rounds = std::atoi(value.c_str());
-        else stop("\"" + word + "\" is not known");
+        if (word == "--scenes")
+            options.scenes = value;
+        else if (word == "--models")
+            options.models = value;
+        else if (word == "--kind")
+            options.kind = value;
+        else if (word == "--map-size")
+            options.map_size = std::atoi(value.c_str());
+        else if (word == "--lights")
+            options.lights = std::max(1, std::atoi(value.c_str()));
+        else if (word == "--rounds")
+            options.rounds = std::atoi(value.c_str());
+        else
+            stop("\"" + word + "\" is not known");
     }
     return options;
 }
@@ -88,7 +96,9 @@ std::vector<Variant> make_variants(const Options& options) {
 }
 
 std::vector<Light> make_lights(const Options& options) {
-    const LightKind kind = options.kind == "sun" ? LightKind::Sun : options.kind == "point" ? LightKind::Point : LightKind::Spot;
+    const LightKind kind = options.kind == "sun"     ? LightKind::Sun
+                           : options.kind == "point" ? LightKind::Point
+                                                     : LightKind::Spot;
     std::mt19937 random(9);
     std::uniform_real_distribution<double> unit(-1, 1);
     std::vector<Light> lights;
@@ -110,8 +120,8 @@ struct Row {
     std::vector<double> times_ms, time_ratios;
 };
 
-void measure_errors(TechniqueRunner& runner, const Options& options, SceneView& view, const std::vector<Variant>& variants,
-                    std::vector<Row>& rows) {
+void measure_errors(TechniqueRunner& runner, const Options& options, SceneView& view,
+                    const std::vector<Variant>& variants, std::vector<Row>& rows) {
     for (const Light& light : make_lights(options)) {
         view.scene->lights = {light};
         std::vector<float> truth;

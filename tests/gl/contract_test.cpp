@@ -36,10 +36,14 @@ struct Case {
 
 std::string kind_name(LightKind kind) {
     switch (kind) {
-        case LightKind::Sun: return "sun";
-        case LightKind::Spot: return "spot";
-        case LightKind::Point: return "point";
-        case LightKind::Area: return "area";
+        case LightKind::Sun:
+            return "sun";
+        case LightKind::Spot:
+            return "spot";
+        case LightKind::Point:
+            return "point";
+        case LightKind::Area:
+            return "area";
     }
     return "?";
 }
@@ -105,7 +109,8 @@ protected:
     void expect_all(const SceneView& view, float value) const {
         const std::vector<float> visibility = visibility_of(view);
         ASSERT_EQ(visibility.size(), std::size_t(view.width * view.height));
-        const auto wrong = std::count_if(visibility.begin(), visibility.end(), [&](float v) { return std::abs(v - value) > 1e-6f; });
+        const auto wrong =
+            std::count_if(visibility.begin(), visibility.end(), [&](float v) { return std::abs(v - value) > 1e-6f; });
         EXPECT_EQ(wrong, 0) << "of " << visibility.size() << " pixels are not " << value;
     }
     void check_layer(const Layer& layer, int width, int height) const {
@@ -329,11 +334,14 @@ TEST_P(Contract, EveryParameterWorksOverItsRange) {
     view.scene->lights = {light_above()};
     for (const ParameterSpec& spec : technique().parameters) {
         std::vector<ParameterValue> values;
-        if (spec.type == ParameterType::Bool) values = {false, true};
+        if (spec.type == ParameterType::Bool)
+            values = {false, true};
         else if (spec.type == ParameterType::Enum)
             for (const EnumItem& item : spec.items) values.emplace_back(item.id);
-        else if (spec.type == ParameterType::Float) values = {spec.min, 0.5 * (spec.min + spec.max), spec.max};
-        else if (spec.id != "map_size") values = {std::int64_t(spec.min), std::int64_t(spec.max)};
+        else if (spec.type == ParameterType::Float)
+            values = {spec.min, 0.5 * (spec.min + spec.max), spec.max};
+        else if (spec.id != "map_size")
+            values = {std::int64_t(spec.min), std::int64_t(spec.max)};
         for (const ParameterValue& value : values) {
             RenderRequest request = make_request(view);
             ParameterValues given = small_maps(technique(), 64);

@@ -14,11 +14,13 @@ namespace {
 
 class EDSMTest : public ::testing::Test {
 protected:
-    ShadowErrors errors_of(const SceneView& view, const std::string& technique, ParameterValues values, std::int64_t map_size) {
+    ShadowErrors errors_of(const SceneView& view, const std::string& technique, ParameterValues values,
+                           std::int64_t map_size) {
         values.set("map_size", map_size);
         const auto run = runner_.render(view, technique, values);
         const RayOracle oracle(view.scene);
-        const auto truth = oracle.compute_visibility(*run.frame, view.scene->lights[0], run.positions[0], &runner_.engine().threads());
+        const auto truth =
+            oracle.compute_visibility(*run.frame, view.scene->lights[0], run.positions[0], &runner_.engine().threads());
         return measure_shadow_errors(*run.frame, view.scene->lights[0], run.positions[0], truth, run.visibility());
     }
     void expect_ratio(const SceneView& view, std::int64_t map_size, double ratio, double plane_ratio) {
@@ -75,13 +77,20 @@ TEST_F(EDSMTest, OpenAndNonManifoldCasters) {
     view.width = 480, view.height = 270;
     view.place(view.add("ground", make_plane(10)));
     // A sheet, a fan of three sheets on one edge, and triangles whose windings disagree.
-    MeshData fan{{{-0.6f, 0, 0}, {0.6f, 0, 0}, {0.6f, 0.7f, 0.2f}, {-0.6f, 0.7f, 0.2f}, {0.6f, -0.5f, 0.3f}, {-0.6f, -0.5f, 0.3f},
-                  {0.6f, 0.1f, 0.8f}, {-0.6f, 0.1f, 0.8f}},
+    MeshData fan{{{-0.6f, 0, 0},
+                  {0.6f, 0, 0},
+                  {0.6f, 0.7f, 0.2f},
+                  {-0.6f, 0.7f, 0.2f},
+                  {0.6f, -0.5f, 0.3f},
+                  {-0.6f, -0.5f, 0.3f},
+                  {0.6f, 0.1f, 0.8f},
+                  {-0.6f, 0.1f, 0.8f}},
                  {{0, 1, 2}, {0, 2, 3}, {0, 4, 1}, {0, 5, 4}, {0, 1, 6}, {7, 6, 0}}};
     view.place(view.add("fan", fan), placement({-0.9, 0.1, 1.0}, 25));
     view.place(view.add("sheet", make_plane(1, 3)), placement({0.9, 0.3, 1.3}, 50, {1, 0.2, 0.1}));
     MeshData twisted = make_box({0.8f, 0.6f, 0.7f});
-    for (std::size_t k = 0; k < twisted.triangles.size(); k += 3) std::swap(twisted.triangles[k].y, twisted.triangles[k].z);
+    for (std::size_t k = 0; k < twisted.triangles.size(); k += 3)
+        std::swap(twisted.triangles[k].y, twisted.triangles[k].z);
     view.place(view.add("twisted", twisted), placement({0.3, -1.1, 0.9}, 33, {0.2, 0.4, 1}));
     view.camera = make_camera({3.4, -3.6, 3.2}, {0, 0.2, 0.3}, view.width, view.height);
     view.scene->lights = {make_light(LightKind::Spot, kLamp, kAim)};
@@ -102,7 +111,8 @@ TEST_F(EDSMTest, OrdersRankAsInTheThesisFigures) {
 TEST_F(EDSMTest, TheThesisReadingIsExactOnABoxButForCornersAndBias) {
     SceneView view = box_scene(640, 360);
     view.scene->lights = {make_light(LightKind::Spot, kLamp, kAim)};
-    const auto thesis = errors_of(view, "edsm", parameters({{"reading", std::string("thesis")}, {"edge_order", std::string("thesis")}}), 512);
+    const auto thesis = errors_of(
+        view, "edsm", parameters({{"reading", std::string("thesis")}, {"edge_order", std::string("thesis")}}), 512);
     const auto sm = errors_of(view, "sm", {}, 512), improved = errors_of(view, "edsm", {}, 512);
     EXPECT_LT(thesis.wrong_ppm, 0.5 * sm.wrong_ppm);
     EXPECT_LE(improved.wrong_ppm, thesis.wrong_ppm);
@@ -125,10 +135,12 @@ TEST_F(EDSMTest, SoftBordersKeepTheirPlaceAndHaveTheWidthAsked) {
     view.camera = make_camera({0, 0, 10}, {0, 0, 0}, view.width, view.height, 12);
     view.scene->lights = {make_light(LightKind::Sun, {0, 0, 5}, {0, 0, 0})};
     for (const double softness : {1.0, 2.0, 5.0, 16.0}) {
-        const auto run = runner_.render(view, "edsm", parameters({{"map_size", std::int64_t{256}}, {"softness", softness}}));
+        const auto run =
+            runner_.render(view, "edsm", parameters({{"map_size", std::int64_t{256}}, {"softness", softness}}));
         const auto& values = run.visibility();
         const auto& places = run.frame->positions_rel;
-        const double texel = 2.0 / std::abs(run.positions[0].views[0].lc_from_ws[0][0]) / run.positions[0].views[0].size_texels;
+        const double texel =
+            2.0 / std::abs(run.positions[0].views[0].lc_from_ws[0][0]) / run.positions[0].views[0].size_texels;
         double worst = 0;
         for (int x = 0; x < view.width; ++x) {
             const std::size_t pixel = std::size_t(4 * view.width + x);
@@ -142,7 +154,8 @@ TEST_F(EDSMTest, SoftBordersKeepTheirPlaceAndHaveTheWidthAsked) {
 }
 
 TEST_F(EDSMTest, SoftEdgesInsideAShadowLetNoLightThrough) {
-    // The small plate's outline is seen from the light, but the large plate under it darkens both its sides on the ground.
+    // The small plate's outline is seen from the light, but the large plate under it darkens both its sides on the
+    // ground.
     SceneView view;
     view.width = 96, view.height = 54;
     view.place(view.add("ground", make_plane(8)));

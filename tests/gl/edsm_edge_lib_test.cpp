@@ -43,7 +43,8 @@ protected:
                                      items, count, 3);
         std::vector<Sample> samples;
         for (int i = 0; i < count; ++i) {
-            const glm::vec4 a = out[std::size_t(3 * i)], b = out[std::size_t(3 * i + 1)], c = out[std::size_t(3 * i + 2)];
+            const glm::vec4 a = out[std::size_t(3 * i)], b = out[std::size_t(3 * i + 1)],
+                            c = out[std::size_t(3 * i + 2)];
             samples.push_back({{a.x, a.y}, a.z, a.w, b.x, b.y, {c.x, c.y, c.z, c.w}});
         }
         return samples;
@@ -82,9 +83,9 @@ TEST_F(EdgeLib, PointEdgeIsFinite) {
         for (const double value : sample.priority) EXPECT_TRUE(std::isfinite(value));
 }
 
-/// Two edges that meet at `corner` bound a wedge of the given opening; the caster lies on the left of both (entering along
-/// the first, leaving along the second). Points round the corner: how many get the wrong side from the edge that an order
-/// chooses?
+/// Two edges that meet at `corner` bound a wedge of the given opening; the caster lies on the left of both (entering
+/// along the first, leaving along the second). Points round the corner: how many get the wrong side from the edge that
+/// an order chooses?
 struct WedgeCount {
     int wrong[4] = {0, 0, 0, 0};
     int total = 0;
@@ -129,8 +130,9 @@ TEST_F(EdgeLib, CorrectedOrderIsRightAtConvexAndConcaveCorners) {
         WedgeCount& count = c.opening < pi ? convex : concave;
         ++count.total;
         for (int order = 1; order < 4; ++order) {
-            const Sample& chosen = samples[2 * k].priority[order] <= samples[2 * k + 1].priority[order] ? samples[2 * k]
-                                                                                                        : samples[2 * k + 1];
+            const Sample& chosen = samples[2 * k].priority[order] <= samples[2 * k + 1].priority[order]
+                                       ? samples[2 * k]
+                                       : samples[2 * k + 1];
             count.wrong[order] += (chosen.line > 0) != inside;
         }
     }

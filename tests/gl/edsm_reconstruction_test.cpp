@@ -30,15 +30,16 @@ protected:
             items.push_back(glm::vec4(f.at, 0, 0)), items.push_back(f.lit);
             for (const glm::vec4& t : f.texels) items.push_back(t);
         }
-        const auto out = runner_.run("lib/edge_reconstruction_lib.glsl",
-                                     "vec2 at = inputs[6*i].xy; vec4 lit = inputs[6*i+1], signs = 2.0 * lit - 1.0;\n"
-                                     "vec4 weights = bilinear_weights(at);\n"
-                                     "BorderEstimate e = kNoEstimate;\n"
-                                     "for (int k = 0; k < 4; ++k) { vec4 s = inputs[6*i+2+k];\n"
-                                     "  add_texel(e, EdgeTexel(s.xy, s.z, s.w > 0.5), kCorners[k], weights[k], signs[k], signs,\n"
-                                     "            at, 0.5); }\n"
-                                     "outputs[i] = vec4(float(e.line_weight > 0.0), e.by_line, e.forced, 0.0);",
-                                     items, int(footprints.size()), 1);
+        const auto out =
+            runner_.run("lib/edge_reconstruction_lib.glsl",
+                        "vec2 at = inputs[6*i].xy; vec4 lit = inputs[6*i+1], signs = 2.0 * lit - 1.0;\n"
+                        "vec4 weights = bilinear_weights(at);\n"
+                        "BorderEstimate e = kNoEstimate;\n"
+                        "for (int k = 0; k < 4; ++k) { vec4 s = inputs[6*i+2+k];\n"
+                        "  add_texel(e, EdgeTexel(s.xy, s.z, s.w > 0.5), kCorners[k], weights[k], signs[k], signs,\n"
+                        "            at, 0.5); }\n"
+                        "outputs[i] = vec4(float(e.line_weight > 0.0), e.by_line, e.forced, 0.0);",
+                        items, int(footprints.size()), 1);
         std::vector<Answer> answers;
         for (const glm::vec4& o : out) answers.push_back({o.x > 0.5f, o.y, o.z});
         return answers;
@@ -84,7 +85,8 @@ TEST_F(EdgeReconstruction, StraightBordersAreExactWhateverTheirOrientation) {
         for (const glm::vec4& t : footprints[k].texels) all_held &= t.w > 0.5f;
         if (!all_held) continue;
         ++full;
-        ASSERT_NEAR(answers[k].forced, truths[k], 2e-6) << k;  // [Kenzel13] 3.1.1: a line survives bilinear interpolation
+        ASSERT_NEAR(answers[k].forced, truths[k], 2e-6)
+            << k;  // [Kenzel13] 3.1.1: a line survives bilinear interpolation
     }
     EXPECT_GT(mixed, 10000);
     EXPECT_GT(full, 300);
@@ -114,8 +116,9 @@ TEST_F(EdgeReconstruction, ALineThatContradictsATestIsNotBelieved) {
 TEST_F(EdgeReconstruction, DiscKernelIsTheLitPartOfADisc) {
     std::vector<glm::vec4> items;
     for (int k = 0; k <= 200; ++k) items.push_back(glm::vec4(float(k - 100) / 40.0f, 3.0f, 0, 0));
-    const auto out = runner_.run("lib/edge_reconstruction_lib.glsl",
-                                 "outputs[i] = vec4(disc_kernel(inputs[i].x, inputs[i].y));", items, int(items.size()), 1);
+    const auto out =
+        runner_.run("lib/edge_reconstruction_lib.glsl", "outputs[i] = vec4(disc_kernel(inputs[i].x, inputs[i].y));",
+                    items, int(items.size()), 1);
     for (std::size_t k = 0; k < items.size(); ++k) {
         // Numeric area of the unit disc on the lit side of x = -d.
         const double d = std::clamp(2.0 * double(items[k].x) / 3.0, -1.0, 1.0);

@@ -42,9 +42,11 @@ SceneView half_plane_scene() {
 TEST_F(PCFTest, TheRampHasTheKernelsWidth) {
     const SceneView view = half_plane_scene();
     for (const int kernel : {3, 5, 9}) {
-        const auto run = runner_.render(view, "pcf", parameters({{"map_size", std::int64_t{256}}, {"kernel", std::int64_t{kernel}},
-                                                                 {"bilinear", true}}));
-        const double texel = 2.0 / std::abs(run.positions[0].views[0].lc_from_ws[0][0]) / run.positions[0].views[0].size_texels;
+        const auto run = runner_.render(
+            view, "pcf",
+            parameters({{"map_size", std::int64_t{256}}, {"kernel", std::int64_t{kernel}}, {"bilinear", true}}));
+        const double texel =
+            2.0 / std::abs(run.positions[0].views[0].lc_from_ws[0][0]) / run.positions[0].views[0].size_texels;
         const auto& values = run.visibility();
         const auto& places = run.frame->positions_rel;
         double total = 0, first = 1e9, last = -1e9;
@@ -69,8 +71,9 @@ TEST_F(PCFTest, TheRampHasTheKernelsWidth) {
 TEST_F(PCFTest, RadiusSpreadsTheTaps) {
     const SceneView view = half_plane_scene();
     const auto width_of = [&](double radius) {
-        const auto run = runner_.render(view, "pcf", parameters({{"map_size", std::int64_t{256}}, {"kernel", std::int64_t{5}},
-                                                                 {"radius", radius}}));
+        const auto run = runner_.render(
+            view, "pcf",
+            parameters({{"map_size", std::int64_t{256}}, {"kernel", std::int64_t{5}}, {"radius", radius}}));
         return std::count_if(run.visibility().begin(), run.visibility().end(), [](float v) { return v > 0 && v < 1; });
     };
     const auto plain = width_of(0), same = width_of(2), wide = width_of(8);
@@ -92,18 +95,20 @@ TEST_F(PCFTest, NoSeamsAtCubeFacesAndMapRims) {
     view.camera = make_camera({-1.7, -1.6, 1.2}, {1, 1.2, -0.4}, view.width, view.height, 100);
     view.scene->lights = {make_light(LightKind::Point, {0.11, 0.07, 0.13}, {1, 0.4, 0.2})};
     for (const int kernel : {3, 9, 21}) {
-        const auto run = runner_.render(view, "pcf", parameters({{"map_size", std::int64_t{64}}, {"kernel", std::int64_t{kernel}},
-                                                                 {"bilinear", true}}));
+        const auto run = runner_.render(
+            view, "pcf",
+            parameters({{"map_size", std::int64_t{64}}, {"kernel", std::int64_t{kernel}}, {"bilinear", true}}));
         ASSERT_GE(run.positions[0].views.size(), 4u);
         const auto& values = run.visibility();
         const auto dark = std::count_if(values.begin(), values.end(), [](float v) { return v < 1; });
-        // A tap past a room's edge meets the wall behind it, so kernels darken the corners by their nature; the seams of
-        // the cube lie across the flat walls, where every pixel must stay lit.
+        // A tap past a room's edge meets the wall behind it, so kernels darken the corners by their nature; the seams
+        // of the cube lie across the flat walls, where every pixel must stay lit.
         int dark_on_flat = 0;
         for (std::size_t pixel = 0; pixel < values.size(); ++pixel) {
             const glm::dvec3 p = glm::dvec3(run.frame->positions_rel[pixel]) + run.frame->origin_ws;
             const glm::dvec3 size = glm::abs(p);
-            const double second = std::max({std::min(size.x, size.y), std::min(size.y, size.z), std::min(size.x, size.z)});
+            const double second =
+                std::max({std::min(size.x, size.y), std::min(size.y, size.z), std::min(size.x, size.z)});
             const double reach = 2.5 * (kernel + 1) * 2.0 * 2.2 / 64;
             if (second < 2.0 - reach) dark_on_flat += values[pixel] < 1;
         }

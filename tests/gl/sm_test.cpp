@@ -46,7 +46,8 @@ TEST_F(SMTest, SlopedPlanesHaveNoAcneAtAnySlopeScaleOrMapSize) {
 }
 
 TEST_F(SMTest, ABoxOnThePlaneLeaksNoLightAtItsFoot) {
-    // Unit box that stands on z = 0, sun at 45 degrees from +X: on the ground the shadow is -1 - depth < x < -0.5, |y| < 0.5.
+    // Unit box that stands on z = 0, sun at 45 degrees from +X: on the ground the shadow is -1 - depth < x < -0.5, |y|
+    // < 0.5.
     SceneView view;
     view.width = 320, view.height = 180;
     view.place(view.add("ground", make_plane(10)));
@@ -55,8 +56,9 @@ TEST_F(SMTest, ABoxOnThePlaneLeaksNoLightAtItsFoot) {
     view.scene->lights = {make_light(LightKind::Sun, {5, 0, 5}, {0, 0, 0})};
     const auto run = runner_.render(view, "sm", parameters({{"map_size", std::int64_t{1024}}}));
     const LightView& map = run.positions[0].views[0];
-    const double texel = 2.0 / std::abs(glm::length(glm::dvec3(map.lc_from_ws[0][0], map.lc_from_ws[1][0], map.lc_from_ws[2][0]))) /
-                         map.size_texels;
+    const double texel =
+        2.0 / std::abs(glm::length(glm::dvec3(map.lc_from_ws[0][0], map.lc_from_ws[1][0], map.lc_from_ws[2][0]))) /
+        map.size_texels;
     int shadowed = 0, wrong = 0;
     for (std::size_t pixel = 0; pixel < run.visibility().size(); ++pixel) {
         if (run.frame->ids[pixel].instance != 0) continue;

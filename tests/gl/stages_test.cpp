@@ -49,7 +49,8 @@ TEST(ProjectionLib, PlaceDepthAndGradientMatchDoublePrecision) {
         for (int k = 0; k < 2000; ++k) {
             const glm::dvec3 p(2 * unit(random), 2 * unit(random), unit(random));
             const glm::dvec3 n = glm::normalize(glm::dvec3(unit(random), unit(random), unit(random) + 1.3));
-            const glm::dvec3 to_light = perspective ? glm::normalize(glm::dvec3(1, 2, 8) - p) : glm::normalize(glm::dvec3(0.8, 1.9, 8));
+            const glm::dvec3 to_light =
+                perspective ? glm::normalize(glm::dvec3(1, 2, 8) - p) : glm::normalize(glm::dvec3(0.8, 1.9, 8));
             if (glm::dot(n, to_light) < 0.05) continue;
             receivers.emplace_back(glm::vec3(p), glm::vec3(n));
             items.push_back(glm::vec4(p, 0)), items.push_back(glm::vec4(n, 0));
@@ -66,9 +67,11 @@ TEST(ProjectionLib, PlaceDepthAndGradientMatchDoublePrecision) {
             const glm::dmat4 rounded = glm::dmat4(glm::mat4(matrix));
             const glm::dvec3 at = project(rounded, p, size);
             // Finite differences along two tangents of the plane; depth is planar in texels, so any step is exact.
-            const glm::dvec3 u = glm::normalize(glm::cross(n, std::abs(n.x) < 0.6 ? glm::dvec3(1, 0, 0) : glm::dvec3(0, 1, 0)));
+            const glm::dvec3 u =
+                glm::normalize(glm::cross(n, std::abs(n.x) < 0.6 ? glm::dvec3(1, 0, 0) : glm::dvec3(0, 1, 0)));
             const glm::dvec3 v = glm::cross(n, u);
-            const glm::dvec3 du = project(rounded, p + 0.01 * u, size) - at, dv = project(rounded, p + 0.01 * v, size) - at;
+            const glm::dvec3 du = project(rounded, p + 0.01 * u, size) - at,
+                             dv = project(rounded, p + 0.01 * v, size) - at;
             const double det = du.x * dv.y - du.y * dv.x;
             const glm::dvec2 gradient((du.z * dv.y - du.y * dv.z) / det, (du.x * dv.z - du.z * dv.x) / det);
             ASSERT_NEAR(out[2 * k].x, at.x, 1e-3);
@@ -115,7 +118,8 @@ LightView spot_view() {
 
 TEST(MapEdges, InsideEdgesKeepTheirEnds) {
     const LightView view = spot_view();
-    const glm::dvec4 a = view.lc_from_ws * glm::dvec4(0.5, 0.2, -3, 1), b = view.lc_from_ws * glm::dvec4(-0.4, 0.9, -5, 1);
+    const glm::dvec4 a = view.lc_from_ws * glm::dvec4(0.5, 0.2, -3, 1),
+                     b = view.lc_from_ws * glm::dvec4(-0.4, 0.9, -5, 1);
     MapEdge edge;
     ASSERT_TRUE(project_edge(view, a, b, 1.5, false, edge));
     EXPECT_FLOAT_EQ(edge.start.x, float((a.x / a.w + 1) * 50));
@@ -129,7 +133,8 @@ TEST(MapEdges, InsideEdgesKeepTheirEnds) {
 
 TEST(MapEdges, WhatLiesBehindTheLightIsCutAway) {
     const LightView view = spot_view();
-    const glm::dvec4 front = view.lc_from_ws * glm::dvec4(0, 0, -3, 1), behind = view.lc_from_ws * glm::dvec4(0.5, 0, 4, 1);
+    const glm::dvec4 front = view.lc_from_ws * glm::dvec4(0, 0, -3, 1),
+                     behind = view.lc_from_ws * glm::dvec4(0.5, 0, 4, 1);
     MapEdge edge;
     ASSERT_TRUE(project_edge(view, front, behind, 1.5, false, edge));
     for (const glm::vec4& end : {edge.start, edge.end}) {
@@ -148,7 +153,9 @@ TEST(MapEdges, RandomEdgesAgreeWithDenseSampling) {
     std::uniform_real_distribution<double> unit(-1, 1);
     int kept = 0;
     for (int k = 0; k < 3000; ++k) {
-        const auto point = [&] { return view.lc_from_ws * glm::dvec4(8 * unit(random), 8 * unit(random), 12 * unit(random), 1); };
+        const auto point = [&] {
+            return view.lc_from_ws * glm::dvec4(8 * unit(random), 8 * unit(random), 12 * unit(random), 1);
+        };
         const glm::dvec4 a = point(), b = point();
         MapEdge edge;
         const bool drawn = project_edge(view, a, b, 1.5, false, edge);
@@ -185,7 +192,8 @@ TEST(DepthMapStage, DepthsAreThePlanesPushedByHalfTheirSlope) {
         const auto plane_depth = [&](double x, double y) {
             // The ray of the texel's centre, cut with the plane through the origin.
             const auto at = [&](double z) {
-                const glm::dvec4 p = ws_from_lc * glm::dvec4(2 * x / light.size_texels - 1, 2 * y / light.size_texels - 1, z, 1);
+                const glm::dvec4 p =
+                    ws_from_lc * glm::dvec4(2 * x / light.size_texels - 1, 2 * y / light.size_texels - 1, z, 1);
                 return glm::dvec3(p) / p.w;
             };
             const glm::dvec3 near = at(1), far = at(0.0);
@@ -196,8 +204,11 @@ TEST(DepthMapStage, DepthsAreThePlanesPushedByHalfTheirSlope) {
         for (const int x : {10, 30, 50}) {
             const int y = 33;
             const double centre = plane_depth(x + 0.5, y + 0.5);
-            const double slope = std::max(std::abs(plane_depth(x + 1.5, y + 0.5) - centre), std::abs(plane_depth(x + 0.5, y + 1.5) - centre));
-            EXPECT_NEAR(depths[std::size_t(y * light.size_texels + x)], centre - factor * slope, 1e-5 + 0.02 * factor * slope) << factor;
+            const double slope = std::max(std::abs(plane_depth(x + 1.5, y + 0.5) - centre),
+                                          std::abs(plane_depth(x + 0.5, y + 1.5) - centre));
+            EXPECT_NEAR(depths[std::size_t(y * light.size_texels + x)], centre - factor * slope,
+                        1e-5 + 0.02 * factor * slope)
+                << factor;
         }
     }
 }

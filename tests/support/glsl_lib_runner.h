@@ -1,8 +1,9 @@
 // SPDX-FileCopyrightText: 2026 Shadow Layers contributors
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
-// Feeds numbers through a GLSL library: a compute program whose invocation i reads items [i * in_count, ...) of `inputs` and
-// writes items [i * out_count, ...) of `outputs`. The body sees `const int i` and the arrays `inputs[]` and `outputs[]`.
+// Feeds numbers through a GLSL library: a compute program whose invocation i reads items [i * in_count, ...) of
+// `inputs` and writes items [i * out_count, ...) of `outputs`. The body sees `const int i` and the arrays `inputs[]`
+// and `outputs[]`.
 
 #include <fstream>
 #include <glm/glm.hpp>
@@ -32,21 +33,24 @@ public:
     GlslLibRunner() : context_(make_context("osmesa", 2)) {
         context_->make_current();
         device_ = std::make_unique<gl::Device>(
-            [](void* user, const char* name) { return static_cast<Context*>(user)->load(name); }, context_.get(), false);
+            [](void* user, const char* name) { return static_cast<Context*>(user)->load(name); }, context_.get(),
+            false);
     }
 
-    std::vector<glm::vec4> run(const std::string& library, const std::string& body, const std::vector<glm::vec4>& inputs,
-                               int invocations, int out_count) {
-        const std::string source = "#version 450 core\n" + read_library(library) +
-                                   "layout(local_size_x = 64) in;\n"
-                                   "layout(std430, binding = 0) readonly buffer In { vec4 inputs[]; };\n"
-                                   "layout(std430, binding = 1) buffer Out { vec4 outputs[]; };\n"
-                                   "layout(location = 0) uniform int u_count;\n"
-                                   "void main() {\n    int i = int(gl_GlobalInvocationID.x);\n    if (i >= u_count) return;\n" +
-                                   body + "\n}\n";
+    std::vector<glm::vec4> run(const std::string& library, const std::string& body,
+                               const std::vector<glm::vec4>& inputs, int invocations, int out_count) {
+        const std::string source =
+            "#version 450 core\n" + read_library(library) +
+            "layout(local_size_x = 64) in;\n"
+            "layout(std430, binding = 0) readonly buffer In { vec4 inputs[]; };\n"
+            "layout(std430, binding = 1) buffer Out { vec4 outputs[]; };\n"
+            "layout(location = 0) uniform int u_count;\n"
+            "void main() {\n    int i = int(gl_GlobalInvocationID.x);\n    if (i >= u_count) return;\n" +
+            body + "\n}\n";
         const gl::Program program(*device_, {{GL_COMPUTE_SHADER, source, {library}}}, "library test");
         const gl::Buffer in_buf(*device_, std::span<const glm::vec4>(inputs), "inputs");
-        const gl::Buffer out_buf(*device_, std::size_t(invocations) * std::size_t(out_count) * sizeof(glm::vec4), "outputs");
+        const gl::Buffer out_buf(*device_, std::size_t(invocations) * std::size_t(out_count) * sizeof(glm::vec4),
+                                 "outputs");
         program.use();
         program.set("u_count", invocations);
         in_buf.bind_base(GL_SHADER_STORAGE_BUFFER, 0);

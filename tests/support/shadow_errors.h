@@ -22,7 +22,8 @@ struct ShadowErrors {
 };
 
 inline ShadowErrors measure_shadow_errors(const Frame& frame, const Light& light, const LightPosition& position,
-                                          const std::vector<float>& truth, const std::vector<float>& visibility, int far_px = 4) {
+                                          const std::vector<float>& truth, const std::vector<float>& visibility,
+                                          int far_px = 4) {
     const FacingRule facing(frame, light, position);
     ShadowErrors errors;
     std::size_t wrong = 0, acne = 0, leak = 0, plane = 0, plane_wrong = 0;

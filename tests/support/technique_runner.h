@@ -68,7 +68,8 @@ public:
         TechniqueRun run;
         StageRecord record;
         engine_->set_record(&record);
-        FrameMaker maker(*engine_, pool_, {view.scene, view.camera, view.width, view.height, region, needs.overscan_px});
+        FrameMaker maker(*engine_, pool_,
+                         {view.scene, view.camera, view.width, view.height, region, needs.overscan_px});
         run.frame = maker.make(glm::dvec2(0.0));
         SampleFrames frames(maker, glm::dvec2(0.0));
         const Light& source = view.scene->lights[light];

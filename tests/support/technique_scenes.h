@@ -37,7 +37,8 @@ inline MeshData make_plane(float size, int cells = 1) {
     MeshData data;
     for (int y = 0; y <= cells; ++y)
         for (int x = 0; x <= cells; ++x)
-            data.positions.push_back(glm::vec3(float(x) / float(cells) - 0.5f, float(y) / float(cells) - 0.5f, 0) * size);
+            data.positions.push_back(glm::vec3(float(x) / float(cells) - 0.5f, float(y) / float(cells) - 0.5f, 0) *
+                                     size);
     for (int y = 0; y < cells; ++y)
         for (int x = 0; x < cells; ++x) {
             const auto at = [&](int i, int j) { return std::uint32_t((y + j) * (cells + 1) + x + i); };
@@ -52,8 +53,9 @@ inline MeshData make_box(glm::vec3 size, float bevel = 0, int steps = 0) {
     // Lattice coordinates per side: the flat part and `steps` cells of each rounding, normalised like a rounded cube.
     std::vector<float> ticks;
     const int n = 2 * steps + 1;
-    for (int i = 0; i <= n; ++i) ticks.push_back(i <= steps ? -1.0f + float(i) / float(std::max(steps, 1)) * (steps ? 1.0f : 0.0f)
-                                                            : float(i - steps - 1) / float(std::max(steps, 1)));
+    for (int i = 0; i <= n; ++i)
+        ticks.push_back(i <= steps ? -1.0f + float(i) / float(std::max(steps, 1)) * (steps ? 1.0f : 0.0f)
+                                   : float(i - steps - 1) / float(std::max(steps, 1)));
     if (steps == 0) ticks = {-1.0f, 1.0f};
     const glm::vec3 core = size * 0.5f - bevel;
     const auto place = [&](glm::vec3 direction, glm::vec3 side) {
@@ -77,7 +79,8 @@ inline MeshData make_box(glm::vec3 size, float bevel = 0, int steps = 0) {
             const auto at = [&](int i, int j) { return base + std::uint32_t(j * (n + 1) + i); };
             for (int j = 0; j < n; ++j)
                 for (int i = 0; i < n; ++i) {
-                    glm::uvec3 first{at(i, j), at(i + 1, j), at(i + 1, j + 1)}, second{at(i, j), at(i + 1, j + 1), at(i, j + 1)};
+                    glm::uvec3 first{at(i, j), at(i + 1, j), at(i + 1, j + 1)},
+                        second{at(i, j), at(i + 1, j + 1), at(i, j + 1)};
                     if (sign < 0) std::swap(first.y, first.z), std::swap(second.y, second.z);
                     data.triangles.push_back(first);
                     data.triangles.push_back(second);
@@ -93,7 +96,8 @@ inline MeshData make_sphere(float radius, int rings = 24, int segments = 48) {
         for (int s = 0; s < segments; ++s) {
             const double theta = pi * r / rings, phi = 2 * pi * s / segments;
             const double ring = r == 0 || r == rings ? 0.0 : std::sin(theta);
-            data.positions.push_back(glm::vec3(glm::dvec3(ring * std::cos(phi), ring * std::sin(phi), std::cos(theta)) * double(radius)));
+            data.positions.push_back(
+                glm::vec3(glm::dvec3(ring * std::cos(phi), ring * std::sin(phi), std::cos(theta)) * double(radius)));
         }
     for (int r = 0; r < rings; ++r)
         for (int s = 0; s < segments; ++s) {
@@ -191,7 +195,8 @@ inline SceneView box_scene(int width = 1280, int height = 720) {
     return view;
 }
 
-/// A tower of bevelled blocks with some pulled out and some lying about (the jenga of the reports, about 18,000 triangles).
+/// A tower of bevelled blocks with some pulled out and some lying about (the jenga of the reports, about 18,000
+/// triangles).
 inline SceneView tower_scene(int width = 1280, int height = 720) {
     SceneView view;
     view.width = width, view.height = height;
@@ -205,7 +210,8 @@ inline SceneView tower_scene(int width = 1280, int height = 720) {
             if ((level * 7 + k * 5) % 11 == 3) continue;
             const bool pulled = (level * 3 + k) % 13 == 5;
             glm::dmat4 at = placement({0.0011 * std::pow(level, 1.6), 0, size.z * (level + 0.5)}, 90.0 * (level % 2));
-            at = at * placement({pulled ? 0.25 : 0.008 * jitter(random), (k - 1) * size.y * 1.02, 0}, 0.8 * jitter(random));
+            at = at *
+                 placement({pulled ? 0.25 : 0.008 * jitter(random), (k - 1) * size.y * 1.02, 0}, 0.8 * jitter(random));
             view.place(block, at);
         }
     for (int k = 0; k < 9; ++k) {
@@ -249,7 +255,9 @@ inline SceneView random_scene(unsigned seed, int width = 640, int height = 360, 
         const glm::dvec3 at(1.8 * unit(random), 1.8 * unit(random), 1.0 + 0.8 * unit(random));
         const glm::dvec3 axis = glm::normalize(glm::dvec3(unit(random), unit(random), unit(random) + 1.01));
         const glm::dvec3 size(0.35 + 0.25 * unit(random), 0.35 + 0.25 * unit(random), 0.35 + 0.25 * unit(random));
-        view.place(k % 3 == 0 ? ball : k % 3 == 1 ? sharp : round,
+        view.place(k % 3 == 0   ? ball
+                   : k % 3 == 1 ? sharp
+                                : round,
                    glm::scale(placement(at, 180 * unit(random), axis), size));
     }
     view.camera = make_camera({3.6, -3.9, 3.6}, {0, 0, 0.6}, width, height);

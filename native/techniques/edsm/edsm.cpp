@@ -1,12 +1,12 @@
 // SPDX-FileCopyrightText: 2026 Shadow Layers contributors
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Edge distance shadow mapping: beside the depth map a map of distances to silhouette edges; where the four depth tests round
-// a receiver disagree, the edge decides.
-// Based on: M. Kenzel, Edge Distance Shadow Mapping, master's thesis, TU Graz 2013, chapters 3 and 4, figure 6.1.
-// Differences (docs/techniques/edsm.md says what each is worth): a depth reference per texel in the receiver's plane; the
-// tests give the sign and the map only the distance, or a whole line if it agrees with all tests; edges that lie behind the
-// receiver or inside a solid don't count; a derived order of edges. "reading" = thesis has none of them.
-// Fails: two edges within a texel; features smaller than a texel, where no test disagrees.
+// Edge distance shadow mapping: beside the depth map a map of distances to silhouette edges; where the four depth tests
+// round a receiver disagree, the edge decides. Based on: M. Kenzel, Edge Distance Shadow Mapping, master's thesis, TU
+// Graz 2013, chapters 3 and 4, figure 6.1. Differences (docs/techniques/edsm.md says what each is worth): a depth
+// reference per texel in the receiver's plane; the tests give the sign and the map only the distance, or a whole line
+// if it agrees with all tests; edges that lie behind the receiver or inside a solid don't count; a derived order of
+// edges. "reading" = thesis has none of them. Fails: two edges within a texel; features smaller than a texel, where no
+// test disagrees.
 #include "techniques/edsm/edsm.h"
 
 #include <cmath>
@@ -50,7 +50,8 @@ public:
             program_ = &engine.program("frame/fullscreen.vert", "techniques/edsm/edsm_thesis.frag");
         } else {
             const bool soft = parameters.get_float("softness") > 0;
-            program_ = &engine.program("frame/fullscreen.vert", "techniques/edsm/edsm.frag", {{"SOFT", soft ? "1" : "0"}});
+            program_ =
+                &engine.program("frame/fullscreen.vert", "techniques/edsm/edsm.frag", {{"SOFT", soft ? "1" : "0"}});
         }
     }
 
@@ -104,7 +105,8 @@ std::vector<ParameterSpec> edsm_parameters() {
     softness.unit = "texels";
     softness.help = "Width of the border's ramp, as of a round light; 0 gives hard shadows";
     return {
-        map_size_parameter(), softness,
+        map_size_parameter(),
+        softness,
         enum_parameter("reading", "Reading", "How tests and distances are put together",
                        {{"improved", "Improved", "Depth tests give the sign, the map the distance or a whole line"},
                         {"thesis", "Thesis", "As the thesis reads: one slope bias, interpolated signed distances"}},
@@ -133,7 +135,8 @@ TechniqueDescriptor describe_edsm() {
     d.parameters = edsm_parameters();
     d.outputs = visibility_output();
     d.lights = all_light_kinds();
-    d.limits = "Where two edges fall into one texel, or a caster is thinner than one, it is no better than the shadow map";
+    d.limits =
+        "Where two edges fall into one texel, or a caster is thinner than one, it is no better than the shadow map";
     d.needs = [](const ParameterValues& values) {
         TechniqueNeeds needs;
         needs.map_size = int(values.get_int("map_size"));

@@ -42,13 +42,14 @@ public:
             map->texture->bind(kDepthMapUnit);
             program_->set("u_spacing_texels", float(tap_spacing(task.parameters)));
         };
-        outputs.set("visibility",
-                    resolve_.run(engine, {.frame = task.frame,
-                                          .light = task.light,
-                                          .position = position,
-                                          .program = *program_,
-                                          .work_per_pixel = kernel * kernel * (task.parameters.get_bool("bilinear") ? 4 : 1),
-                                          .bind_inputs = bind}));
+        outputs.set(
+            "visibility",
+            resolve_.run(engine, {.frame = task.frame,
+                                  .light = task.light,
+                                  .position = position,
+                                  .program = *program_,
+                                  .work_per_pixel = kernel * kernel * (task.parameters.get_bool("bilinear") ? 4 : 1),
+                                  .bind_inputs = bind}));
     }
 
 private:

@@ -24,7 +24,8 @@ public:
     void clear(Engine& engine, int width, int height) {
         if (!sum_tx_ || sum_tx_->width() != width || sum_tx_->height() != height) {
             sum_fb_ = gl::Framebuffer();
-            sum_tx_ = std::make_shared<gl::Texture>(engine.device(), gl::TextureDesc{GL_R32F, width, height}, "probe sum");
+            sum_tx_ =
+                std::make_shared<gl::Texture>(engine.device(), gl::TextureDesc{GL_R32F, width, height}, "probe sum");
             sum_fb_ = gl::Framebuffer(engine.device(), "probe sum");
             sum_fb_.attach_color(0, sum_tx_);
         }

@@ -2,9 +2,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Standard shadow mapping: a depth map from the light, one depth test per receiver.
 // Based on: L. Williams, Casting curved shadows on curved surfaces, SIGGRAPH 1978.
-// Differences: the receiver is compared in its own plane at the texel's centre, and casters are pushed back by half their
-// slope per texel, so that there is no bias to tune (docs/techniques/sm.md).
-// Fails: steps of a texel at the shadow's border; casters thinner than a texel.
+// Differences: the receiver is compared in its own plane at the texel's centre, and casters are pushed back by half
+// their slope per texel, so that there is no bias to tune (docs/techniques/sm.md). Fails: steps of a texel at the
+// shadow's border; casters thinner than a texel.
 #include "techniques/sm/sm.h"
 
 #include "stages/depth_map.h"
@@ -23,12 +23,11 @@ public:
     void render(Engine& engine, const LightTask& task, LayerOutputs& outputs) override {
         const LightPosition& position = task.positions.front();
         const auto map = render_depth_map(engine, *task.frame.scene, position);
-        outputs.set("visibility",
-                    resolve_.run(engine, {.frame = task.frame,
-                                          .light = task.light,
-                                          .position = position,
-                                          .program = *program_,
-                                          .bind_inputs = [&] { map->texture->bind(kDepthMapUnit); }}));
+        outputs.set("visibility", resolve_.run(engine, {.frame = task.frame,
+                                                        .light = task.light,
+                                                        .position = position,
+                                                        .program = *program_,
+                                                        .bind_inputs = [&] { map->texture->bind(kDepthMapUnit); }}));
     }
 
 private:

@@ -1,7 +1,8 @@
 // SPDX-FileCopyrightText: 2026 Shadow Layers contributors
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Edge distance shadow mapping as [Kenzel13] 4.2.2 reads: one slope-biased depth for all four tests, and the sign of the
-// bilinearly interpolated distance where they disagree. Kept to measure what the differences of edsm.frag are worth.
+// Edge distance shadow mapping as [Kenzel13] 4.2.2 reads: one slope-biased depth for all four tests, and the sign of
+// the bilinearly interpolated distance where they disagree. Kept to measure what the differences of edsm.frag are
+// worth.
 #include "stages/resolve_inputs.glsl"
 #include "lib/edge_reconstruction_lib.glsl"
 #include "shared/edge_map.h"

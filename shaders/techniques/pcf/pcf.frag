@@ -2,8 +2,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Percentage-closer filtering: the mean of k x k depth tests round the receiver.
 // Defines: KERNEL (taps per side, odd), BILINEAR (0, 1: each tap weighs its four texels).
-// Based on: [Reeves87]. Differences: taps on a regular grid instead of jittered ones; each tap is compared with the depth of
-// the receiver's own plane at that tap.
+// Based on: [Reeves87]. Differences: taps on a regular grid instead of jittered ones; each tap is compared with the
+// depth of the receiver's own plane at that tap.
 #include "stages/resolve_inputs.glsl"
 
 layout(binding = kDepthMapUnit) uniform sampler2DArrayShadow depth_map_tx;
@@ -19,7 +19,8 @@ float test_tap(MapPoint point, int layer, vec2 tap) {
     vec2 corner = floor(tap - 0.5) + 0.5;
     vec2 at = tap - corner;
     float low = mix(test_texel(point, layer, corner), test_texel(point, layer, corner + vec2(1, 0)), at.x);
-    float high = mix(test_texel(point, layer, corner + vec2(0, 1)), test_texel(point, layer, corner + vec2(1, 1)), at.x);
+    float high =
+        mix(test_texel(point, layer, corner + vec2(0, 1)), test_texel(point, layer, corner + vec2(1, 1)), at.x);
     return mix(low, high, at.y);
 #else
     return test_texel(point, layer, floor(tap) + 0.5);
