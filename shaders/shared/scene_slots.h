@@ -7,9 +7,9 @@
 namespace shadow_layers {
 #endif
 
-const int kSlotPosition = 0;       // vec3, per vertex: object space, about the mesh's centre
-const int kSlotClipMatrix = 1;     // mat4 (takes 1..4), per instance: clip space from position above
-const int kSlotInstance = 5;       // uint, per instance: index into Scene::instances
+const int kSlotPosition = 0;    // vec3, per vertex: object space, about the mesh's centre
+const int kSlotClipMatrix = 1;  // mat4 (takes 1..4), per instance: clip space from position above
+const int kSlotInstance = 5;    // uint, per instance: index into Scene::instances
 
 #ifdef __cplusplus
 }  // namespace shadow_layers

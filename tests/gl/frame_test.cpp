@@ -6,8 +6,8 @@
 
 #include "frame/camera_window.h"
 #include "frame/frame_maker.h"
-#include "gl_fixture.h"
 #include "gl/texture.h"
+#include "gl_fixture.h"
 #include "support/ray_oracle.h"
 
 namespace shadow_layers {
@@ -111,7 +111,8 @@ TEST_P(FramePlacing, BallAgreesWithRays) {
             continue;
         }
         const double distance = glm::length(glm::dvec3(truth.positions_rel[i]));
-        EXPECT_LE(glm::length(glm::dvec3(frame->positions_rel[i]) - glm::dvec3(truth.positions_rel[i])), 3e-7 * distance);
+        EXPECT_LE(glm::length(glm::dvec3(frame->positions_rel[i]) - glm::dvec3(truth.positions_rel[i])),
+                  3e-7 * distance);
         EXPECT_GE(glm::dot(frame->normals[i], truth.normals[i]), 1 - 1e-5f);
     }
     EXPECT_GT(covered, 3000);
@@ -293,9 +294,9 @@ TEST_F(FrameTest, BadGeometryGivesFiniteFrames) {
     soup.positions.emplace_back(INFINITY, 0, 0);
     for (std::uint32_t i = 0; i < 300; ++i) soup.triangles.emplace_back(3 * i, 3 * i + 1, 3 * i + 2);
     for (std::uint32_t i = 0; i < 50; ++i) {
-        soup.triangles.emplace_back(i, i, i + 1);        // no area
-        soup.triangles.emplace_back(i, i + 1, 900);      // not a number
-        soup.triangles.emplace_back(901, i, i + 1);      // infinite
+        soup.triangles.emplace_back(i, i, i + 1);    // no area
+        soup.triangles.emplace_back(i, i + 1, 900);  // not a number
+        soup.triangles.emplace_back(901, i, i + 1);  // infinite
         soup.positions.push_back(0.5f * (soup.positions[i] + soup.positions[i + 1]));
         soup.triangles.emplace_back(i, i + 1, 902 + i);  // on a line, nearly
     }

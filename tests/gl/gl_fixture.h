@@ -97,8 +97,8 @@ inline Camera make_camera(const glm::dvec3& eye, const glm::dvec3& target, doubl
     const glm::dvec3 back = glm::normalize(eye - target);
     const glm::dvec3 up = std::abs(back.z) > 0.99 ? glm::dvec3(0, 1, 0) : glm::dvec3(0, 0, 1);
     const glm::dvec3 right = glm::normalize(glm::cross(up, back));
-    camera.world_from_camera =
-        glm::dmat4(glm::dvec4(right, 0), glm::dvec4(glm::cross(back, right), 0), glm::dvec4(back, 0), glm::dvec4(eye, 1));
+    camera.world_from_camera = glm::dmat4(glm::dvec4(right, 0), glm::dvec4(glm::cross(back, right), 0),
+                                          glm::dvec4(back, 0), glm::dvec4(eye, 1));
     return camera;
 }
 

@@ -1,9 +1,10 @@
 // SPDX-FileCopyrightText: 2026 Shadow Layers contributors
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The owners of GL objects, shader loading, timers: gl/.
+#include <unistd.h>
+
 #include <filesystem>
 #include <fstream>
-#include <unistd.h>
 
 #include "engine/scene_draw.h"
 #include "gl_fixture.h"
@@ -72,8 +73,9 @@ TEST_F(GLObjects, AnyRowLengthIsTightlyPacked) {
 TEST_F(GLObjects, TooLargeTextureNamesSizeAndLimit) {
     const int limit = engine().limits().max_texture_size;
     const std::size_t before = engine().device().live_objects();
-    const std::string text = message_of<DriverError>(
-        [&] { gl::Texture(engine().device(), {GL_R32F, limit + 1, 4}, "shadow map"); });
+    const std::string text = message_of<DriverError>([&] {
+        gl::Texture(engine().device(), {GL_R32F, limit + 1, 4}, "shadow map");
+    });
     EXPECT_NE(text.find("shadow map"), std::string::npos) << text;
     EXPECT_NE(text.find(std::to_string(limit)), std::string::npos) << text;
     EXPECT_EQ(engine().device().live_objects(), before);
@@ -111,12 +113,13 @@ TEST_F(GLObjects, BuffersReadAndWrite) {
 TEST_F(GLObjects, FullscreenDrawFillsTheFramebuffer) {
     ShaderFolder folder;
     folder.write("shared/conventions.h", "#pragma once\n");
-    folder.write("full.vert", "void main() { gl_Position = vec4((gl_VertexID << 1 & 2) * 2 - 1, "
-                              "(gl_VertexID & 2) * 2 - 1, 0, 1); }\n");
+    folder.write("full.vert",
+                 "void main() { gl_Position = vec4((gl_VertexID << 1 & 2) * 2 - 1, "
+                 "(gl_VertexID & 2) * 2 - 1, 0, 1); }\n");
     folder.write("fill.frag", "uniform vec4 u_value;\nout vec4 o;\nvoid main() { o = u_value * SCALE; }\n");
     const gl::ShaderSource source(folder.path());
-    const gl::Program program(engine().device(), {source.load("full.vert", {}), source.load("fill.frag", {{"SCALE", "2.0"}})},
-                              "fill");
+    const gl::Program program(engine().device(),
+                              {source.load("full.vert", {}), source.load("fill.frag", {{"SCALE", "2.0"}})}, "fill");
     auto texture = std::make_shared<gl::Texture>(engine().device(), gl::TextureDesc{GL_RGBA32F, 6, 4}, "target");
     gl::Framebuffer framebuffer(engine().device(), "target");
     framebuffer.attach_color(0, texture);
@@ -150,8 +153,9 @@ TEST_F(GLObjects, LinkErrorNamesTheProgram) {
     folder.write("a.frag", "in float v_value;\nout float o;\nvoid main() { o = v_value; }\n");
     const gl::ShaderSource source(folder.path());
     const std::size_t before = engine().device().live_objects();
-    const std::string text = message_of<ShaderError>(
-        [&] { gl::Program(engine().device(), {source.load("a.vert", {}), source.load("a.frag", {})}, "mismatch"); });
+    const std::string text = message_of<ShaderError>([&] {
+        gl::Program(engine().device(), {source.load("a.vert", {}), source.load("a.frag", {})}, "mismatch");
+    });
     EXPECT_NE(text.find("mismatch"), std::string::npos) << text;
     EXPECT_EQ(engine().device().live_objects(), before);
 }

@@ -101,7 +101,8 @@ TEST_F(SceneDrawTest, MeshesAreUploadedOnceByContent) {
     EXPECT_EQ(engine().meshes().upload_count(), 2u);
     const auto gpu = engine().meshes().get(engine(), *scene.meshes[0]);
     EXPECT_EQ(gpu->triangle_count, 2u);
-    EXPECT_EQ(engine().meshes().bytes(), gpu->byte_size() + engine().meshes().get(engine(), *scene.meshes[2])->byte_size());
+    EXPECT_EQ(engine().meshes().bytes(),
+              gpu->byte_size() + engine().meshes().get(engine(), *scene.meshes[2])->byte_size());
 }
 
 TEST_F(SceneDrawTest, LeastRecentlyUsedMeshesLeaveFirst) {

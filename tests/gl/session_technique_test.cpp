@@ -54,7 +54,8 @@ protected:
         EngineTest::TearDown();
     }
     FrameResult run(const RenderRequest& request) {
-        TechniqueSet techniques({{describe_scripted, [] { return std::unique_ptr<Technique>(new ScriptedTechnique); }}});
+        TechniqueSet techniques(
+            {{describe_scripted, [] { return std::unique_ptr<Technique>(new ScriptedTechnique); }}});
         layers_.clear();
         RenderOutlet outlet;
         outlet.deliver = [&](Layer&& layer) { layers_.push_back(std::move(layer)); };

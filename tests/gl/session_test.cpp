@@ -124,7 +124,8 @@ TEST_F(SessionTest, TwoRendersAreBitIdentical) {
     FrameResult frames[2];
     const auto first = render_layers(request, &frames[0]), second = render_layers(request, &frames[1]);
     for (std::size_t i = 0; i < first.size(); ++i)
-        for (const auto& [channel, image] : first[i].channels) EXPECT_EQ(image.data, second[i].channels.at(channel).data);
+        for (const auto& [channel, image] : first[i].channels)
+            EXPECT_EQ(image.data, second[i].channels.at(channel).data);
     EXPECT_EQ(frames[0].coverage.data, frames[1].coverage.data);
     EXPECT_EQ(frames[0].combined.data, frames[1].combined.data);
     // So does another session, whose caches are cold.
@@ -168,7 +169,8 @@ TEST_F(SessionTest, LayersComeInJobOrderWhileTheRenderRuns) {
 TEST_F(SessionTest, SamplesGiveTheCoveredArea) {
     RenderRequest request = make_request(8, 8);
     auto scene = std::make_shared<Scene>();
-    scene->meshes = {test::to_mesh("half", {{{-9, -9, 0}, {0.3f, -9, 0}, {0.3f, 9, 0}, {-9, 9, 0}}, {{0, 1, 2}, {0, 2, 3}}})};
+    scene->meshes = {
+        test::to_mesh("half", {{{-9, -9, 0}, {0.3f, -9, 0}, {0.3f, 9, 0}, {-9, 9, 0}}, {{0, 1, 2}, {0, 2, 3}}})};
     scene->instances = {Instance{}};
     request.scene = scene;
     request.jobs.clear();

@@ -92,12 +92,12 @@ TEST(ClayPicture, AddsSurfaceLightAndShadow) {
     const std::vector<float> visibility = {1, 0, 1};
     clay.add_light(threads, frame, light, visibility, 1);
     const Image image = clay.take();
-    EXPECT_GT(image.data[0], 0.4f);                                           // lit
+    EXPECT_GT(image.data[0], 0.4f);                                                             // lit
     EXPECT_NEAR((image.data[1] - image.data[5]) / (image.data[0] - image.data[4]), 0.5, 0.05);  // the light's color
-    EXPECT_GT(image.data[4], 0.01f);                                          // in shadow, not black
+    EXPECT_GT(image.data[4], 0.01f);                                                            // in shadow, not black
     EXPECT_LT(image.data[4], 0.1f);
     EXPECT_EQ(image.data[3], 1);
-    for (int c = 8; c < 12; ++c) EXPECT_EQ(image.data[std::size_t(c)], 0);     // background
+    for (int c = 8; c < 12; ++c) EXPECT_EQ(image.data[std::size_t(c)], 0);  // background
     // Not linked: as if in shadow.
     light.receiver_set = 0;
     ClayPicture unlinked(3, 1);

@@ -12,11 +12,19 @@ namespace shadow_layers {
 namespace {
 
 std::vector<ParameterSpec> make_specs() {
-    ParameterSpec size{"map_size", "Map Size", ParameterType::Int, std::int64_t(1024), 1, 16384, "texels", "", {}, true};
+    ParameterSpec size{"map_size", "Map Size", ParameterType::Int, std::int64_t(1024), 1, 16384, "texels", "",
+                       {},         true};
     ParameterSpec kernel{"kernel", "Kernel", ParameterType::Int, std::int64_t(3), 1, 9, "texels", "", {}, false, 2};
     ParameterSpec softness{"softness", "Softness", ParameterType::Float, 0.0, 0, 8, "texels", "", {}};
     ParameterSpec smooth{"smooth", "Smooth", ParameterType::Bool, true, 0, 0, "", "", {}};
-    ParameterSpec order{"order", "Order", ParameterType::Enum, std::string("depth"), 0, 0, "", "",
+    ParameterSpec order{"order",
+                        "Order",
+                        ParameterType::Enum,
+                        std::string("depth"),
+                        0,
+                        0,
+                        "",
+                        "",
                         {{"depth", "Depth", ""}, {"stream", "Stream", ""}}};
     return {size, kernel, softness, smooth, order};
 }
@@ -44,7 +52,9 @@ TEST(Parameters, FillsInDefaults) {
     EXPECT_EQ(values.get_enum("order"), "depth");
 }
 
-TEST(Parameters, TakesWholeNumbersForFloats) { EXPECT_EQ(resolve("softness", std::int64_t(2)).get_float("softness"), 2.0); }
+TEST(Parameters, TakesWholeNumbersForFloats) {
+    EXPECT_EQ(resolve("softness", std::int64_t(2)).get_float("softness"), 2.0);
+}
 
 TEST(Parameters, NamesTechniqueParameterValueAndRange) {
     const std::string text = message_of("map_size", std::int64_t(20000));

@@ -16,9 +16,9 @@ struct CameraWindow {
 /// shift and pixel aspect, so that jitter, crop and overscan are plain moves of the window, exact in double.
 struct Camera {
     bool perspective = true;
-    CameraWindow window;            ///< of the full picture: pixel (0,0)'s lower left corner to the upper right one
-    double clip_start = 0.1;        ///< > 0 for perspective; along -Z, scene units
-    double clip_end = 1000.0;       ///< > clip_start
+    CameraWindow window;                ///< of the full picture: pixel (0,0)'s lower left corner to the upper right one
+    double clip_start = 0.1;            ///< > 0 for perspective; along -Z, scene units
+    double clip_end = 1000.0;           ///< > clip_start
     glm::dmat4 world_from_camera{1.0};  ///< orthonormal axes, no scale
 };
 

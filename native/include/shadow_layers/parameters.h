@@ -26,12 +26,12 @@ struct ParameterSpec {
     std::string label;  ///< title case, for the UI
     ParameterType type = ParameterType::Float;
     ParameterValue default_value;
-    double min = 0, max = 0;  ///< inclusive, Int and Float
-    std::string unit;         ///< "texels", "px", "", ...
-    std::string help;         ///< one sentence
+    double min = 0, max = 0;      ///< inclusive, Int and Float
+    std::string unit;             ///< "texels", "px", "", ...
+    std::string help;             ///< one sentence
     std::vector<EnumItem> items;  ///< Enum only
-    bool shared = false;  ///< one value for all techniques that have it (map_size); shown once in the UI
-    double step = 1;      ///< Int: allowed values are min + k * step (odd kernels: min 1, step 2)
+    bool shared = false;          ///< one value for all techniques that have it (map_size); shown once in the UI
+    double step = 1;              ///< Int: allowed values are min + k * step (odd kernels: min 1, step 2)
 };
 
 /// Values by id. Holds every parameter of the descriptor it was resolved against.

@@ -44,8 +44,8 @@ struct RenderRequest {
     int samples = 1;            ///< 1..64 per pixel; 1 = the pixel's centre, whatever the filter
     PixelFilter filter;
     std::vector<LayerJob> jobs;
-    bool combined = true;              ///< make the clay picture
-    std::vector<std::string> aux;      ///< any of "position", "normal", "ids", "depth": of the first sample
+    bool combined = true;          ///< make the clay picture
+    std::vector<std::string> aux;  ///< any of "position", "normal", "ids", "depth": of the first sample
 };
 
 /// Time of a stage, summed over samples. `gl_ms` < 0 where no GL ran.
@@ -63,15 +63,15 @@ struct RenderStats {
 };
 
 struct Layer {
-    std::uint32_t job = 0;    ///< index into RenderRequest::jobs
-    ParameterValues parameters;  ///< resolved: every parameter with its value
+    std::uint32_t job = 0;                  ///< index into RenderRequest::jobs
+    ParameterValues parameters;             ///< resolved: every parameter with its value
     std::map<std::string, Image> channels;  ///< by OutputSpec::id; "visibility" always; size of the region
     RenderStats stats;
 };
 
 struct FrameResult {
-    Image coverage;  ///< 1 channel, 0..1
-    Image combined;  ///< RGBA, linear, alpha = coverage, premultiplied; empty unless asked for
+    Image coverage;                    ///< 1 channel, 0..1
+    Image combined;                    ///< RGBA, linear, alpha = coverage, premultiplied; empty unless asked for
     std::map<std::string, Image> aux;  ///< "position": xyz in world axes relative to camera_position; "normal": unit,
                                        ///< towards the camera; "ids": instance, triangle (-1: none); "depth": along -Z
     glm::dvec3 camera_position{0.0};

@@ -70,15 +70,15 @@ struct Light {
     std::string name;
     LightKind kind = LightKind::Point;
     glm::dmat4 world_from_light{1.0};
-    glm::vec3 color{1.0f};         ///< linear RGB, without `energy`
-    double energy = 1.0;           ///< W for point, spot and area; W/m2 for the sun (Blender's units)
-    double radius = 0.0;           ///< point and spot: sphere radius, scene units
-    double sun_angle = 0.0;        ///< sun: angular diameter, radians
-    double spot_angle = 0.785398;  ///< spot: full cone angle, radians, in (0, pi]
-    double spot_blend = 0.15;      ///< spot: 0..1, softness of the cone's rim (shading only)
-    glm::dvec2 area_size{1.0};     ///< area: world size along the light's x and y
-    bool area_round = false;       ///< area: ellipse instead of rectangle
-    bool casts_shadow = true;      ///< false: visibility is 1 on every face turned to the light
+    glm::vec3 color{1.0f};                    ///< linear RGB, without `energy`
+    double energy = 1.0;                      ///< W for point, spot and area; W/m2 for the sun (Blender's units)
+    double radius = 0.0;                      ///< point and spot: sphere radius, scene units
+    double sun_angle = 0.0;                   ///< sun: angular diameter, radians
+    double spot_angle = 0.785398;             ///< spot: full cone angle, radians, in (0, pi]
+    double spot_blend = 0.15;                 ///< spot: 0..1, softness of the cone's rim (shading only)
+    glm::dvec2 area_size{1.0};                ///< area: world size along the light's x and y
+    bool area_round = false;                  ///< area: ellipse instead of rectangle
+    bool casts_shadow = true;                 ///< false: visibility is 1 on every face turned to the light
     std::uint64_t receiver_set = kAllGroups;  ///< bit g: receivers of group g are lit by this light
     std::uint64_t blocker_set = kAllGroups;   ///< bit g: casters of group g cast for this light
 };

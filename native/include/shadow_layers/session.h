@@ -12,11 +12,12 @@
 namespace shadow_layers {
 
 struct SessionOptions {
-    std::string backend = "auto";  ///< "auto" (EGL on a GPU if there is one, then OSMesa, then EGL software), "osmesa", "egl"
-    int threads = 0;               ///< CPU stages and software rasteriser; 0 = all cores
-    std::string shader_dir;        ///< folder that holds shared/, lib/, ...; must exist
+    std::string backend =
+        "auto";              ///< "auto" (EGL on a GPU if there is one, then OSMesa, then EGL software), "osmesa", "egl"
+    int threads = 0;         ///< CPU stages and software rasteriser; 0 = all cores
+    std::string shader_dir;  ///< folder that holds shared/, lib/, ...; must exist
     std::size_t gpu_cache_bytes = std::size_t{1} << 30;  ///< meshes and stage results kept between frames
-    bool debug = false;            ///< GL debug output; an error ends the render
+    bool debug = false;                                  ///< GL debug output; an error ends the render
 };
 
 struct SessionInfo {
