@@ -13,7 +13,6 @@ tests=OFF
 if [ "${1:-}" = --tests ] || grep -qs 'SHADOW_LAYERS_TESTS:BOOL=ON' "$build_dir/CMakeCache.txt"; then tests=ON; fi
 
 options=(-DSHADOW_LAYERS_TESTS=$tests)
-[ "${CI:-}" != true ] || options+=(-DSHADOW_LAYERS_WERROR=ON)
 started=$SECONDS
 say "configuring $build_dir"
 mkdir -p "$build_dir"
