@@ -61,6 +61,11 @@ const gl::Program& Engine::program(const std::vector<std::string>& files, const 
     return programs_.emplace(name, gl::Program(*device_, stages, name)).first->second;
 }
 
+void Engine::begin_render() {
+    stages_->begin_render();
+    meshes_->begin_render();
+}
+
 void Engine::check_cancelled() {
     cancel_.check();
     if (!stage_error_.empty()) throw DriverError(std::exchange(stage_error_, {}));

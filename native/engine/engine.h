@@ -94,6 +94,8 @@ public:
     static GLuint group_count(int items, int group) { return GLuint((items + group - 1) / group); }
 
     // --- for the session and tests ---
+    /// Lets the caches drop what the last renders did not use.
+    void begin_render();
     /// Where times and counts go from now on; null: nowhere. Not owned.
     void set_record(StageRecord* record) { record_ = record; }
     StageRecord* record() { return record_; }

@@ -112,6 +112,7 @@ std::shared_ptr<GpuMesh> MeshCache::get(Engine& engine, const Mesh& mesh) {
     const Key key{mesh.positions_key, mesh.topology_key};
     if (const auto found = index_.find(key); found != index_.end()) {
         entries_.splice(entries_.begin(), entries_, found->second);
+        found->second->last_render = render_;
         warn_of_dropped(engine, mesh, *found->second->mesh);
         return found->second->mesh;
     }
@@ -119,16 +120,23 @@ std::shared_ptr<GpuMesh> MeshCache::get(Engine& engine, const Mesh& mesh) {
     ++upload_count_;
     warn_of_dropped(engine, mesh, *gpu);
     const std::size_t bytes = gpu->byte_size();
-    while (!entries_.empty() && bytes_ + bytes > budget_bytes_) {
-        bytes_ -= entries_.back().mesh->byte_size();
-        index_.erase(entries_.back().key);
-        entries_.pop_back();
-    }
+    while (!entries_.empty() && bytes_ + bytes > budget_bytes_) drop_last();
     // A mesh over the whole budget is still kept until the next one comes: it is drawn several times a frame.
-    entries_.push_front({key, gpu});
+    entries_.push_front({key, gpu, render_});
     index_[key] = entries_.begin();
     bytes_ += bytes;
     return gpu;
+}
+
+void MeshCache::begin_render() {
+    ++render_;
+    while (!entries_.empty() && entries_.back().last_render + kKeptRenders < render_) drop_last();
+}
+
+void MeshCache::drop_last() {
+    bytes_ -= entries_.back().mesh->byte_size();
+    index_.erase(entries_.back().key);
+    entries_.pop_back();
 }
 
 void MeshCache::clear() {

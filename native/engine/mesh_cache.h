@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <cstdint>
 #include <list>
 #include <map>
 #include <memory>
@@ -31,14 +32,16 @@ struct GpuMesh {
     }
 };
 
-/// Uploaded meshes by content, least recently used out first when over budget. Positions and triangles that stay the
-/// same between frames are not sent again.
+/// Uploaded meshes by content, least recently used out first when over budget; those that kKeptRenders renders
+/// (stage_cache.h) did not draw go, too. Positions and triangles that stay the same between frames are not sent again.
 class MeshCache {
 public:
     explicit MeshCache(std::size_t budget_bytes) : budget_bytes_(budget_bytes) {}
 
     /// Stays valid while the pointer is held, also when pushed out. Warns of dropped triangles, once per render.
     std::shared_ptr<GpuMesh> get(Engine& engine, const Mesh& mesh);
+    /// Marks the start of a render; lets go of what the last ones did not draw.
+    void begin_render();
     void clear();
     std::size_t bytes() const { return bytes_; }
     std::size_t upload_count() const { return upload_count_; }  ///< for tests
@@ -48,10 +51,14 @@ private:
     struct Entry {
         Key key;
         std::shared_ptr<GpuMesh> mesh;
+        std::uint64_t last_render;
     };
+    void drop_last();
+
     std::list<Entry> entries_;  ///< most recently used first
     std::map<Key, std::list<Entry>::iterator> index_;
     std::size_t budget_bytes_, bytes_ = 0, upload_count_ = 0;
+    std::uint64_t render_ = 0;
 };
 
 }  // namespace shadow_layers

@@ -82,6 +82,7 @@ private:
 };
 
 FrameResult RenderRun::run() {
+    engine_.begin_render();
     const PixelRect& region = resolved_.region;
     result_.camera_position = glm::dvec3(request_.camera.world_from_camera[3]);
     result_.coverage = {region.width, region.height, 1, std::vector<float>(region_pixels(region), 0.0f)};

@@ -4,6 +4,17 @@
 
 namespace shadow_layers {
 
+void StageCache::begin_render() {
+    ++render_;
+    while (!entries_.empty() && entries_.back().last_render + kKeptRenders < render_) drop_last();
+}
+
+void StageCache::drop_last() {
+    bytes_ -= entries_.back().bytes;
+    index_.erase(entries_.back().key);
+    entries_.pop_back();
+}
+
 void StageCache::clear() {
     index_.clear();
     entries_.clear();
@@ -14,6 +25,7 @@ std::shared_ptr<const void> StageCache::find(const ContentKey& key, std::type_in
     const auto found = index_.find(key);
     if (found == index_.end() || found->second->type != type) return nullptr;
     entries_.splice(entries_.begin(), entries_, found->second);
+    found->second->last_render = render_;
     return found->second->value;
 }
 
@@ -26,12 +38,8 @@ void StageCache::insert(const ContentKey& key, std::type_index type, std::shared
     }
     // A value over the whole budget is used by its maker and not kept.
     if (bytes > budget_bytes_) return;
-    while (bytes_ + bytes > budget_bytes_) {
-        bytes_ -= entries_.back().bytes;
-        index_.erase(entries_.back().key);
-        entries_.pop_back();
-    }
-    entries_.push_front({key, type, std::move(value), bytes});
+    while (bytes_ + bytes > budget_bytes_) drop_last();
+    entries_.push_front({key, type, std::move(value), bytes, render_});
     index_[key] = entries_.begin();
     bytes_ += bytes;
 }
