@@ -62,6 +62,7 @@ const gl::Program& Engine::program(const std::vector<std::string>& files, const 
 }
 
 void Engine::begin_render() {
+    ++render_number_;
     stages_->begin_render();
     meshes_->begin_render();
 }

@@ -96,6 +96,8 @@ public:
     // --- for the session and tests ---
     /// Lets the caches drop what the last renders did not use.
     void begin_render();
+    /// Counts renders from 1; for caches outside of the engine's own.
+    std::uint64_t render_number() const { return render_number_; }
     /// Where times and counts go from now on; null: nowhere. Not owned.
     void set_record(StageRecord* record) { record_ = record; }
     StageRecord* record() { return record_; }
@@ -126,6 +128,7 @@ private:
     gl::Buffer instance_stream_;
     GLsync last_batch_ = nullptr;
     StageRecord* record_ = nullptr;
+    std::uint64_t render_number_ = 0;
     std::string stage_error_;
     std::vector<std::string> warnings_;
 };

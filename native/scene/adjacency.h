@@ -82,6 +82,8 @@ public:
     explicit AdjacencyCache(std::size_t budget_bytes = std::size_t{512} << 20) : budget_bytes_(budget_bytes) {}
 
     MeshEdges get(const Mesh& mesh, ThreadPool* threads = nullptr);
+    /// Uses from now on count for this render; what was last used `kept` renders before it is dropped.
+    void begin_render(std::uint64_t render, std::uint64_t kept);
     void clear();
     std::size_t bytes() const { return bytes_; }
     std::size_t weld_count() const { return weld_count_; }  ///< welds worked so far, for tests
@@ -92,17 +94,21 @@ private:
         ContentKey topology_key;
         std::shared_ptr<const MeshAdjacency> adjacency;
         std::deque<std::pair<ContentKey, std::shared_ptr<const ComponentShapes>>> shapes;
+        std::uint64_t last_render = 0;
     };
     struct KeyHash {
         std::size_t operator()(const ContentKey& key) const { return std::size_t(key.low); }
     };
     using Entries = std::list<Entry>;
     MeshEdges add_shapes(Entries::iterator entry, const Mesh& mesh);
+    void use(Entries::iterator entry);
     void trim();
+    void drop_last();
 
     Entries entries_;  ///< most recently used first
     std::unordered_multimap<ContentKey, Entries::iterator, KeyHash> by_topology_;
     std::size_t budget_bytes_, bytes_ = 0, weld_count_ = 0;
+    std::uint64_t render_ = 0;
 };
 
 }  // namespace shadow_layers

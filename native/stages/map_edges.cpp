@@ -119,6 +119,7 @@ MapEdgeFinder::Result MapEdgeFinder::find(Engine& engine, const Scene& scene, co
                                           const MapEdgeOptions& options) {
     const auto timer = engine.time_stage("silhouettes");
     Result result;
+    adjacency_.begin_render(engine.render_number(), kKeptRenders);
     const std::vector<InstanceEdges> found = find_by_instance(engine, adjacency_, scene, position, options.silhouettes);
     for (const InstanceEdges& item : found) result.silhouette_edges += std::int64_t(item.edges.size());
     for (const LightView& view : position.views)

@@ -215,6 +215,29 @@ TEST(AdjacencyCache, WeldsAgainWhenPlacesComeTogetherOrPart) {
     EXPECT_EQ(cache.weld_count(), 2u);
 }
 
+TEST(AdjacencyCache, ForgetsWhatTheLastRendersDidNotUse) {
+    AdjacencyCache cache;
+    const auto still = to_mesh("still", testing::make_sphere(1));
+    std::size_t at_tenth = 0;
+    for (int render = 1; render <= 40; ++render) {
+        cache.begin_render(std::uint64_t(render), 4);
+        cache.get(*still);
+        cache.get(*to_mesh("new topology", testing::make_plane(4, 4 + render % 20)));
+        if (render == 10) at_tenth = cache.bytes();
+    }
+    EXPECT_LE(cache.bytes(), 2 * at_tenth);
+    const std::size_t welds = cache.weld_count();
+    cache.get(*still);
+    EXPECT_EQ(cache.weld_count(), welds);
+    for (int render = 41; render < 50; ++render) {
+        cache.begin_render(std::uint64_t(render), 4);
+        cache.get(*still);
+    }
+    AdjacencyCache alone;
+    alone.get(*still);
+    EXPECT_EQ(cache.bytes(), alone.bytes());
+}
+
 TEST(AdjacencyCache, StaysWithinItsBudget) {
     AdjacencyCache cache(1 << 20);
     for (int i = 0; i < 50; ++i) {

@@ -22,14 +22,14 @@ bool ask(StageCache& cache, std::uint64_t key, std::size_t bytes) {
     return made;
 }
 
-TEST(StageCache, keeps_what_was_made) {
+TEST(StageCache, KeepsWhatWasMade) {
     StageCache cache(100);
     EXPECT_TRUE(ask(cache, 1, 40));
     EXPECT_FALSE(ask(cache, 1, 40));
     EXPECT_EQ(cache.bytes(), 40u);
 }
 
-TEST(StageCache, drops_the_least_recently_used_over_budget) {
+TEST(StageCache, DropsTheLeastRecentlyUsedOverBudget) {
     StageCache cache(100);
     ask(cache, 1, 40);
     ask(cache, 2, 40);
@@ -40,7 +40,7 @@ TEST(StageCache, drops_the_least_recently_used_over_budget) {
     EXPECT_TRUE(ask(cache, 2, 40));
 }
 
-TEST(StageCache, a_value_over_the_whole_budget_is_not_kept) {
+TEST(StageCache, DoesNotKeepAValueOverTheWholeBudget) {
     StageCache cache(100);
     ask(cache, 1, 40);
     EXPECT_TRUE(ask(cache, 2, 101));
@@ -48,7 +48,7 @@ TEST(StageCache, a_value_over_the_whole_budget_is_not_kept) {
     EXPECT_FALSE(ask(cache, 1, 40));
 }
 
-TEST(StageCache, forgets_what_the_last_renders_did_not_ask_for) {
+TEST(StageCache, ForgetsWhatTheLastRendersDidNotAskFor) {
     StageCache cache(1 << 20);
     std::size_t at_tenth = 0;
     for (std::uint64_t render = 1; render <= 200; ++render) {
