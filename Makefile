@@ -16,7 +16,7 @@ build: ## Build the native module and shadowcore
 
 test: ## Install what is needed and run all tests
 	@bash scripts/setup.sh build
-	@python3 scripts/run_tests.py
+	@/usr/bin/python3 scripts/run_tests.py
 
 test-asan: ## Run the core's own tests with address and undefined-behaviour sanitizers
 	@scripts/setup.sh build test
@@ -28,7 +28,7 @@ preview: ## Build, render the studio scene, compare it with Cycles: out/preview/
 package: ## Make the extension zip and the zip for Blender before 4.2: out/package/
 	@scripts/setup.sh build
 	@scripts/build.sh
-	@python3 scripts/package.py
+	@/usr/bin/python3 scripts/package.py
 
 bench: ## Time the techniques on the test scenes with shadowcore
 	@scripts/setup.sh build bpy45
@@ -38,7 +38,7 @@ bench: ## Time the techniques on the test scenes with shadowcore
 measure: ## Measure what the README's tables claim (NAMES="accuracy speed ...", all without)
 	@scripts/setup.sh build bpy45 blender test
 	@scripts/build.sh
-	@python3 scripts/measure.py $(NAMES)
+	@/usr/bin/python3 scripts/measure.py $(NAMES)
 
 docs: ## Make docs/techniques.md and the pictures of the README anew
 	@scripts/setup.sh build bpy45

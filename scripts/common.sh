@@ -3,6 +3,10 @@
 # Sourced by the other scripts: where things are, and how a line of progress is printed.
 set -euo pipefail
 
+# Debian's Blender looks for its Python's home beside the first python3 of the PATH; a version manager or an environment
+# in front would give it another standard library, without the packages that were installed for it.
+export PATH="/usr/bin:/bin:$PATH"
+
 root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
 cache=${SHADOW_LAYERS_CACHE:-${XDG_CACHE_HOME:-$HOME/.cache}/shadow-layers}
 base_python=/usr/bin/python3.11 # the bpy wheels of 4.5 and 5.0, and Debian's Blender, are all CPython 3.11
