@@ -22,10 +22,12 @@ import bpy
 import numpy as np
 from numpy.typing import NDArray
 
+from .light_export import object_name
+from .materials import Opacity, examine
 from .scene_guard import SceneGuard
 
 # Part of every cache key: raise it when what is rendered changes.
-TRUTH_VERSION = 1
+TRUTH_VERSION = 2
 # The smallest that Cycles takes. With a Gaussian of this width samples lie within 0.002 pixels of the centre.
 FILTER_WIDTH_PX = 0.01
 # Any energy gives the same ratio; this one keeps float32 far from its limits between 1e-8 and 1e8 scene units.
@@ -107,8 +109,9 @@ class CyclesTruth:
 
     def render_light(self, name: str) -> LightTruth:
         """The hard shadow of the light object of that name. Raises TruthError."""
-        light_object = bpy.data.objects.get(name)
-        if light_object is None or light_object.type != "LIGHT":
+        lights = (thing for thing in bpy.data.objects if thing.type == "LIGHT")
+        light_object = next((thing for thing in lights if object_name(thing) == name), None)
+        if light_object is None:
             raise TruthError(f'"{name}" is no light object: instanced lights have no truth yet, make them real objects')
         with SceneGuard() as guard:
             light = self._make_hard_light(guard, light_object)
@@ -140,7 +143,7 @@ class CyclesTruth:
         guard.set(render, "film_transparent", True)
         for name in (
             "use_border", "use_multiview", "use_compositing", "use_sequencer", "use_freestyle", "use_motion_blur",
-            "use_persistent_data",
+            "use_persistent_data", "use_stamp",
         ):  # fmt: skip
             guard.set_if_there(render, name, False)
         if self._threads:
@@ -197,15 +200,37 @@ class CyclesTruth:
             image.color_management = "FOLLOW_SCENE"
 
     def _set_up_objects(self, guard: SceneGuard) -> None:
+        transparent = self._find_transparent_objects()
         for thing in bpy.data.objects:
             if thing.type == "LIGHT":
                 continue
+            if thing in transparent:
+                guard.set(thing, "visible_camera", False)
+                guard.set(thing, "visible_shadow", False)
             # Blender moved these out of the Cycles add-on's properties; each version has one of the two places.
             for owner in (thing, getattr(thing, "cycles", None)):
                 guard.set_if_there(owner, "shadow_terminator_geometry_offset", 0.0)
                 guard.set_if_there(owner, "shadow_terminator_shading_offset", 0.0)
                 guard.set_if_there(owner, "shadow_terminator_offset", 0.0)
                 guard.set_if_there(owner, "is_shadow_catcher", False)
+
+    def _find_transparent_objects(self) -> set[bpy.types.Object]:
+        """Those that the layers leave out because every material is fully transparent; the materials that are put in
+        place of all would show them. Instancers stay: their rays' switches would hide their instances."""
+        override = self._view_layer.material_override
+        facts: dict[Any, bool] = {}
+
+        def is_transparent(material: bpy.types.Material | None) -> bool:
+            if material not in facts:
+                facts[material] = examine(material).opacity is Opacity.TRANSPARENT
+            return facts[material]
+
+        found = set()
+        for thing in bpy.data.objects:
+            materials = [override] if override is not None else [slot.material for slot in thing.material_slots]
+            if materials and not thing.is_instancer and all(is_transparent(material) for material in materials):
+                found.add(thing)
+        return found
 
     # ---- lights
 

@@ -236,6 +236,63 @@ def test_materials_do_not_matter(scene):
     assert np.array_equal(result.visible, expected.visible) and result.undecided_count == 0
 
 
+def make_node_material(name, shader):
+    material = bpy.data.materials.new(name)
+    if bpy.app.version < (5, 0, 0):
+        material.use_nodes = True
+    nodes = material.node_tree.nodes
+    nodes.clear()
+    output, made = nodes.new("ShaderNodeOutputMaterial"), nodes.new(shader)
+    socket = "Volume" if "Volume" in shader else "Surface"
+    material.node_tree.links.new(made.outputs[0], output.inputs[socket])
+    return material
+
+
+@pytest.mark.parametrize("shader", ["ShaderNodeBsdfTransparent", "ShaderNodeVolumeScatter"])
+def test_fully_transparent_objects_are_neither_seen_nor_cast(scene, shader):
+    """As in the layers. The replaced material must not make them opaque."""
+    add_ground()
+    add_camera(scene)
+    add_light("POINT", (1, 1, 5))
+    card = add_polygon("Card", CARD)
+    card.data.materials.append(make_node_material("Glass", shader))
+    bpy.context.view_layer.update()
+    before = dump_all(scene)
+    with truth.CyclesTruth(scene, scene.view_layers[0], WIDTH, HEIGHT) as cycles:
+        surface, result = cycles.render_surface(), cycles.render_light("Key")
+    assert result.visible.all() and np.abs(surface.positions_ws[..., 2]).max() < 1e-4
+    assert_same(before, dump_all(scene))
+    scene.view_layers[0].material_override = make_node_material("Clay", "ShaderNodeBsdfDiffuse")
+    assert not render(scene).visible.all()
+
+
+@pytest.mark.parametrize("kind", ["POINT", "SPOT", "AREA", "SUN"])
+def test_nodes_of_a_light_do_not_matter(scene, kind):
+    add_ground()
+    add_polygon("Card", CARD)
+    add_camera(scene)
+    light = add_light(kind, (1, 1, 5), (0.1, 0.1, 0))
+    expected = render(scene)
+    assert expected.lit.any() and not expected.visible.all()
+    light.data.use_nodes = True
+    emission = next(node for node in light.data.node_tree.nodes if node.type == "EMISSION")
+    emission.inputs["Strength"].default_value = 0.0
+    result = render(scene)
+    assert np.array_equal(result.visible, expected.visible) and np.array_equal(result.lit, expected.lit)
+    assert light.data.use_nodes
+
+
+def test_notes_burnt_into_pictures_do_not_matter(scene):
+    add_ground()
+    add_camera(scene)
+    add_light("POINT", (1, 1, 5))
+    with truth.CyclesTruth(scene, scene.view_layers[0], WIDTH, HEIGHT) as cycles:
+        plain = cycles.render_surface()
+    scene.render.use_stamp = True
+    with truth.CyclesTruth(scene, scene.view_layers[0], WIDTH, HEIGHT) as cycles:
+        assert np.array_equal(cycles.render_surface().positions_ws, plain.positions_ws)
+
+
 @pytest.mark.skipif(bpy.app.version < (4, 0, 0), reason="light linking came with Blender 4.0")
 def test_light_and_shadow_linking(scene):
     ground = add_ground()
