@@ -61,7 +61,7 @@ def run_compare(options: argparse.Namespace, progress: Progress) -> None:
     page_path = folder / "index.html"
     frames = get_frames(scene, options)
     if options.skip_existing and page_path.is_file():
-        done_before = DoneBefore(json_path, folder, COMPARE_SCHEMA, COMPARE_SCHEMA_VERSION)
+        done_before = DoneBefore(json_path, folder, make_document(COMPARE_SCHEMA, COMPARE_SCHEMA_VERSION, scene))
         wanted = get_wanted(scene, view_layers)
         if all(done_before.find(frame, wanted, "records") for frame in frames):
             progress.say(f"the comparison is there already: {page_path}")
@@ -143,7 +143,7 @@ class _Comparison:
         with self._progress.step(f"{label}: rendering the layers"):
             frames, render_ms = render_frame(self._scene, frame, aux=AUX)
         captured = frames[0]
-        record = describe_frame(captured, render_ms)
+        record = describe_frame(self._scene, captured, render_ms)
         again = []
         for run in range(1, self._options.repeat):
             with self._progress.step(f"{label}: rendering the layers again ({run + 1} of {self._options.repeat})"):

@@ -10,6 +10,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+# What the whole list must have in common with the one that this run would write.
+HEAD_FIELDS = ("schema", "schema_version", "file", "scene", "camera")
 FILE_FIELDS = ("file", "picture", "layer_picture", "truth_picture", "difference_picture")
 
 
@@ -18,6 +20,7 @@ class Wanted:
     """What is asked of a frame. `layers`: (view layer, light, technique, resolved settings)."""
 
     resolution: list[int]
+    region: list[int]  # x, y, width, height
     samples: int
     layers: list[tuple[str, str, str, dict[str, Any]]]
 
@@ -36,25 +39,24 @@ def are_same_settings(one: dict[str, Any], other: dict[str, Any]) -> bool:
 
 
 class DoneBefore:
-    """The list that an earlier run wrote, whose files may still be there."""
+    """The list that an earlier run wrote, whose files may still be there. `head`: the fields of this run's own list."""
 
-    def __init__(self, json_path: Path, folder: Path, schema: str, version: int) -> None:
+    def __init__(self, json_path: Path, folder: Path, head: dict[str, Any]) -> None:
         self._folder = folder
         self._document: dict[str, Any] = {}
         try:
             document = json.loads(json_path.read_text(encoding="utf-8"))
         except (OSError, ValueError):
             return
-        if isinstance(document, dict) and (document.get("schema"), document.get("schema_version")) == (schema, version):
+        if isinstance(document, dict) and all(document.get(name) == head[name] for name in HEAD_FIELDS):
             self._document = document
 
     def find(self, frame: int, wanted: Wanted, layer_list: str) -> tuple[list[Any], list[Any]] | None:
         """The frame's records in "frames" and in `layer_list`, if they are all that is wanted and their files exist."""
         frames = [record for record in self._document.get("frames", []) if record["frame"] == frame]
         layers = [record for record in self._document.get(layer_list, []) if record["frame"] == frame]
-        if not frames or any(
-            record["resolution"] != wanted.resolution or record["samples"] != wanted.samples for record in frames
-        ):
+        picture = {"resolution": wanted.resolution, "region": wanted.region, "samples": wanted.samples}
+        if not frames or any(record.get(name) != picture[name] for record in frames for name in picture):
             return None
         for view_layer, light, technique, settings in wanted.layers:
             if not any(

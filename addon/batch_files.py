@@ -107,8 +107,11 @@ class FileNamer:
         safe = "".join(
             "_" if c in FORBIDDEN_IN_FILE_NAMES else c for c in clean("_".join(part for part in parts if part))
         )
-        safe = safe.encode("utf-8", "replace")[:FILE_NAME_BYTES].decode("utf-8", "ignore").strip("_.") or "layer"
-        name = safe
+        encoded = safe.encode("utf-8", "replace")
+        if len(encoded) > FILE_NAME_BYTES:  # what is cut away may be all that tells two names apart
+            cut = encoded[: FILE_NAME_BYTES - 5].decode("utf-8", "ignore")
+            safe = f"{cut}_{short_hash(key)}"
+        name = safe = safe.strip("_.") or "layer"
         while self._given.setdefault(name.casefold(), key) != key:
             name = f"{safe}_{short_hash(key + name)}"
         return name

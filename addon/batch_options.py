@@ -130,11 +130,22 @@ def split_file(arguments: list[str]) -> tuple[Path | None, list[str]]:
     return None, arguments
 
 
+def join_negative_frames(arguments: list[str]) -> list[str]:
+    """`--frames -5..5` as `--frames=-5..5`: argparse takes the range for an option."""
+    joined: list[str] = []
+    for argument in arguments:
+        if joined and joined[-1] == "--frames" and re.match(r"-\d", argument):
+            joined[-1] = f"--frames={argument}"
+        else:
+            joined.append(argument)
+    return joined
+
+
 def parse_arguments(arguments: list[str]) -> argparse.Namespace:
     """The options, with `file` (Path or None). Exits with code 2 on a mistake, 0 after --help."""
     file, rest = split_file(arguments)
     if file is not None and file.suffix != ".blend":
         make_parser().error(f'"{file}" is neither a verb ({", ".join(VERBS)}) nor a .blend file')
-    options = make_parser().parse_args(rest)
+    options = make_parser().parse_args(join_negative_frames(rest))
     options.file = file
     return options

@@ -21,6 +21,7 @@ from .capture import CapturedFrame, CapturedLayer
 from .compare.pictures import make_layer_png, quantise
 from .compare.png import encode_png
 from .names import COVERAGE_PASS
+from .picture import border_region, render_size
 
 RENDER_SCHEMA, RENDER_SCHEMA_VERSION = "shadow-layers-render", 1
 CHANNEL_LETTERS = {1: "X", 3: "RGB", 4: "RGBA"}
@@ -44,6 +45,8 @@ def render_frame(
 ) -> tuple[list[CapturedFrame], float]:
     """F12 of a frame: what was captured of each view layer, and the wall time in ms. Raises BatchError."""
     scene.frame_set(frame)
+    if scene.camera is None:
+        raise BatchError(f'scene "{scene.name}" has no camera: choose one in its properties, or give --camera')
     layers = [layer.name for layer in scene.view_layers if layer.use]
     with engine.capture(aux=aux) as captured:
         start = time.perf_counter()
@@ -59,6 +62,12 @@ def render_frame(
     if done != layers:
         raise BatchError(f"frame {frame}: Blender rendered view layers {done} instead of {layers}; see its messages")
     return captured.frames, time_ms
+
+
+def collect_warnings(frames: Sequence[CapturedFrame]) -> list[str]:
+    """Each once, in order; what helps where there is none."""
+    warnings = dict.fromkeys(warning for frame in frames for warning in frame.warnings)
+    return list(warnings) or ["switch Shadow Layers on in View Layer properties > Passes"]
 
 
 def set_exr_output(scene: bpy.types.Scene) -> None:
@@ -126,12 +135,14 @@ def describe_layer(layer: CapturedLayer, light_kind: str, frame: int, view_layer
     }
 
 
-def describe_frame(frame: CapturedFrame, render_ms: float) -> dict[str, Any]:
-    """What every list says of a frame; `render_ms` is all of F12."""
+def describe_frame(scene: bpy.types.Scene, frame: CapturedFrame, render_ms: float) -> dict[str, Any]:
+    """What every list says of a frame that was just rendered; `render_ms` is all of F12."""
     return {
         "frame": frame.frame,
         "view_layer": frame.view_layer,
+        "camera": scene.camera.name,
         "resolution": [frame.snapshot.render.width, frame.snapshot.render.height],
+        "region": list(frame.snapshot.render.region),
         "samples": frame.snapshot.render.samples,
         "triangles": frame.snapshot.triangle_count,
         "instances": frame.snapshot.instance_count,
@@ -166,15 +177,15 @@ def make_combined_png(combined: np.ndarray) -> bytes:
 
 def get_wanted(scene: bpy.types.Scene, layers: Sequence[bpy.types.ViewLayer]) -> Wanted:
     """What a frame's records must hold for the frame to be there already."""
-    render = scene.render
-    size = [int(value * render.resolution_percentage / 100) for value in (render.resolution_x, render.resolution_y)]
+    size = render_size(scene.render)
+    region = border_region(scene.render, *size)
     wanted = []
     for layer in layers:
         lights = jobs.predicted_lights(scene, layer)
         for job in jobs.jobs_for(scene, layer, lights):
             settings = bridge.resolve_parameters(job.technique, job.parameters)
             wanted.append((layer.name, lights[job.light].name, job.technique, settings))
-    return Wanted(size, scene.shadow_layers.samples, wanted)
+    return Wanted(list(size), list(region), scene.shadow_layers.samples, wanted)
 
 
 class _Outputs:
@@ -182,12 +193,12 @@ class _Outputs:
 
     def __init__(self, options: argparse.Namespace, frame: int, layer_count: int) -> None:
         self.folder = options.out
-        self._suffix = "" if options.frames is None else f"{frame:04d}"
+        self._ending = "" if options.frames is None else f"_{frame:04d}"
         self._several_layers = layer_count > 1
         self._namer = FileNamer()
 
     def get_path(self, *parts: str, suffix: str) -> Path:
-        return self.folder / (self._namer.make_name(*parts, self._suffix) + suffix)
+        return self.folder / (self._namer.make_name(*parts) + self._ending + suffix)
 
     def get_layer_path(self, view_layer: str, *parts: str) -> Path:
         return self.get_path(*([view_layer] if self._several_layers else []), *parts, suffix=".png")
@@ -201,7 +212,7 @@ def run_render(options: argparse.Namespace, progress: Progress) -> None:
     document["frames"], document["layers"] = [], []
     json_path = options.json or folder / "render.json"
     make_output_folder(json_path.parent)
-    done_before = DoneBefore(json_path, folder, RENDER_SCHEMA, RENDER_SCHEMA_VERSION)
+    done_before = DoneBefore(json_path, folder, document)
     frames = get_frames(scene, options)
     for index, frame in enumerate(frames):
         label = f"[{index + 1}/{len(frames)}] frame {frame}"
@@ -229,6 +240,9 @@ def render_and_write(
     with whole_file(exr) as temporary:
         scene.render.filepath = str(temporary)
         captured, render_ms = render_frame(scene, frame, write=True)
+        if not any(item.layers for item in captured):  # with several view layers the engine only warns of each
+            why = "; ".join(collect_warnings(captured))
+            raise BatchError(f"frame {frame}: no view layer has a shadow layer: {why}")
         channels = [get_coverage_channel(item.view_layer) for item in captured]
         for item in captured:
             for layer in item.layers:
@@ -238,7 +252,7 @@ def render_and_write(
         check_file(temporary, exr, channels)
     frame_records, layer_records = [], []
     for item in captured:
-        record = describe_frame(item, render_ms)
+        record = describe_frame(scene, item, render_ms)
         record["file"] = exr.name
         record["coverage_channel"] = get_coverage_channel(item.view_layer)
         if item.combined is not None:

@@ -15,6 +15,7 @@ import bpy
 from . import bridge, jobs, properties
 from .batch_files import BatchError, Progress
 from .engine import ENGINE_ID
+from .light_export import object_name
 
 TRUE_WORDS = {"1", "true", "yes", "on"}
 FALSE_WORDS = {"0", "false", "no", "off"}
@@ -76,7 +77,7 @@ def choose_view_layers(scene: bpy.types.Scene, options: argparse.Namespace) -> l
             raise BatchError(f'scene "{scene.name}" has no view layer "{options.view_layer}"; it has {names}')
         for other in scene.view_layers:
             other.use = other == layer
-        scene.render.use_single_layer = False
+    scene.render.use_single_layer = False  # a switch for looking at one layer; Blender's own -f leaves it aside too
     chosen = [layer for layer in scene.view_layers if layer.use]
     if not chosen:
         raise BatchError(f'all view layers of scene "{scene.name}" are switched off: choose one with --view-layer')
@@ -182,12 +183,15 @@ def choose_lights(scene: bpy.types.Scene, layers: list[bpy.types.ViewLayer], opt
     if options.lights is None:
         return
     wanted = set(options.lights)
-    there = {light.name for layer in layers for light in jobs.predicted_lights(scene, layer)}
-    objects = {thing.name: thing for thing in bpy.data.objects if thing.type == "LIGHT"}
+    rendered = {light.data for layer in layers for light in jobs.predicted_lights(scene, layer)}
+    objects = {object_name(thing): thing for thing in bpy.data.objects if thing.type == "LIGHT"}
+    there = sorted(name for name, thing in objects.items() if thing.data in rendered)
     for name in options.lights:
-        if name not in there or name not in objects:
-            instanced = " (an instance is chosen by its light object)" if name in there else ""
-            raise BatchError(f'there is no light "{name}" to render{instanced}; there are {list_names(sorted(there))}')
+        if name not in there:
+            raise BatchError(
+                f'there is no light "{name}" to render; there are {list_names(there)} '
+                "(instances are chosen by their light object)"
+            )
     for name, thing in objects.items():
         if name in wanted:
             if thing.data.shadow_layers.mode == "OFF":

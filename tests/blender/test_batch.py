@@ -193,6 +193,67 @@ def test_same_frame_twice_is_the_same(run_here, tmp_path):
     assert pictures[0] == pictures[1]
 
 
+def test_skip_existing_tells_cameras_and_borders_apart(run_here, module, blend, tmp_path, capfd):
+    common = ("render", "--techniques", "sm", "--lights", "Sun", "--out", tmp_path / "o", "--skip-existing")
+    assert run_here(*common, "--camera", "Camera") == 0
+    assert run_here(*common, "--camera", "Other") == 0
+    assert "is there already" not in capfd.readouterr().out
+    bpy.context.scene.render.use_border = True
+    bpy.context.scene.render.border_max_x = 0.5
+    bordered = blend.with_name("bordered") / blend.name
+    bordered.parent.mkdir()
+    bpy.ops.wm.save_as_mainfile(filepath=str(bordered), copy=True)
+    assert run_here(*common, "--camera", "Other", file=bordered) == 0
+    assert "is there already" not in capfd.readouterr().out
+    record = read_json(tmp_path / "o" / "render.json")["frames"][0]
+    assert (record["region"], record["resolution"], record["camera"]) == ([0, 0, 32, 36], [64, 36], "Other")
+
+
+def test_frames_of_long_names_do_not_overwrite_each_other(run_here, tmp_path, blend):
+    bpy.ops.wm.open_mainfile(filepath=str(blend))
+    bpy.data.objects["Sun"].name = "A very long name of a light that fills all that Blender allows"
+    for layer, name in zip(bpy.context.scene.view_layers, "AB", strict=True):
+        layer.name, layer.use = name * 24, True
+    path = tmp_path / "long.blend"
+    bpy.ops.wm.save_as_mainfile(filepath=str(path))
+    out = tmp_path / "o"
+    assert run_here("render", "--techniques", "sm", "--frames", "1..2", "--out", out, file=path) == 0
+    layers = read_json(out / "render.json")["layers"]
+    assert len({record["picture"] for record in layers}) == len(layers) == 12
+    check_all_files(out, read_json(out / "render.json"), ("frames", "layers"))
+
+
+def test_instanced_and_linked_lights_can_be_chosen(run_here, tmp_path, capfd, blend):
+    bpy.ops.wm.open_mainfile(filepath=str(blend))
+    scene = bpy.context.scene
+    group = bpy.data.collections.new("Group")
+    lamp = bpy.data.objects.new("Bulb", bpy.data.lights.new("Bulb", "POINT"))
+    group.objects.link(lamp)
+    holder = add("Holder", None, (0, 0, 4), scene=scene)
+    holder.instance_type, holder.instance_collection = "COLLECTION", group
+    far = add("Far", bpy.data.lights.new("Far", "POINT"), (1, 1, 5), scene=scene)
+    library = tmp_path / "library.blend"
+    bpy.data.libraries.write(str(library), {far})
+    bpy.data.objects.remove(far)
+    with bpy.data.libraries.load(str(library), link=True) as (_, wanted):
+        wanted.objects = ["Far"]
+    scene.collection.objects.link(wanted.objects[0])
+    path = tmp_path / "chosen.blend"
+    bpy.ops.wm.save_as_mainfile(filepath=str(path))
+    common = ("--techniques", "sm", "--lights")
+    out = tmp_path / "o"
+    assert run_here("render", "--out", out, *common, "Bulb", "Far [library.blend]", file=path) == 0
+    lights = [record["light"] for record in read_json(out / "render.json")["layers"]]
+    assert sorted(lights) == ["Bulb @Holder", "Far [library.blend]"]
+    assert run_here("compare", "--no-cache", "--out", tmp_path / "c", *common, "Far [library.blend]", file=path) == 0
+    assert read_json(tmp_path / "c" / "comparison.json")["records"][0]["pixel_count"] > 500
+    library.unlink()
+    capfd.readouterr()
+    assert run_here("render", "--out", out, *common, "Sun", file=path) == 0  # what is there can be rendered
+    assert run_here("render", "--out", out, *common, "Far [library.blend]", file=path) == 1
+    assert 'no light "Far [library.blend]" to render' in capfd.readouterr().err
+
+
 # ---- snapshot and info
 
 
@@ -238,7 +299,7 @@ def test_info_tells_versions_and_techniques(run_here, module, tmp_path, capfd):
         (["--set", "pcf.bilinear=maybe"], r'pcf.bilinear is on or off, not "maybe"'),
         (["--set", "edsm.reading=mine"], r"edsm.reading is one of improved, thesis"),
         (["--map-size", "1000000"], r"map_size"),
-        (["--scene", "Empty"], r"camera"),
+        (["--scene", "Empty"], r'scene "Empty" has no camera: choose one in its properties, or give --camera'),
     ],
 )  # fmt: skip
 def test_errors_name_culprit_and_remedy(run_here, tmp_path, capfd, arguments, message):
@@ -274,6 +335,12 @@ def test_technique_that_serves_none_of_the_lights_or_no_lights(run_here, tmp_pat
     bpy.ops.wm.save_as_mainfile(filepath=str(dark))
     assert run_here("render", "--out", tmp_path / "o", file=dark) == 1
     assert "light" in capfd.readouterr().err
+    bpy.context.scene.view_layers["Spare"].use = True  # of several view layers each may be without light, but not all
+    bpy.ops.wm.save_as_mainfile(filepath=str(dark))
+    assert run_here("render", "--out", tmp_path / "o", file=dark) == 1
+    said = capfd.readouterr().err
+    assert "no view layer has a shadow layer" in said and "has no light; add a sun" in said
+    assert not list((tmp_path / "o").iterdir())
 
 
 # ---- in a process of its own, as users run it

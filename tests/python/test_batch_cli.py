@@ -201,6 +201,17 @@ def test_file_names_are_safe_and_unique():
     assert namer.make_name("Key.001", "sm") == names[2]
 
 
+def test_names_that_are_cut_stay_apart_whoever_else_is_named():
+    """A frame's files are named without knowledge of the other frames' files."""
+    names = {files.FileNamer().make_name("Layer" * 12, "Light" * 12, technique) for technique in ("sm", "pcf", "edsm")}
+    assert len(names) == 3 and all(len(name) <= files.FILE_NAME_BYTES for name in names)
+
+
+def test_frames_before_zero(tmp_path):
+    for words, frames in ((["--frames", "-5..5"], range(-5, 6)), (["--frames", "-3"], range(-3, -2))):
+        assert options.parse_arguments(["render", *words, "--out", str(tmp_path)]).frames == frames
+
+
 def test_progress_beats_while_a_step_lasts(tmp_path):
     script = (
         "import importlib, sys, time, os; sys.path.insert(0, sys.argv[1]);"
@@ -222,17 +233,18 @@ def test_progress_beats_while_a_step_lasts(tmp_path):
 def test_frames_that_are_there_are_found(tmp_path):
     settings = {"map_size": 1024, "bias": 0.1, "bilinear": True}
     document = {
-        "schema": "s", "schema_version": 1,
-        "frames": [{"frame": 4, "resolution": [64, 36], "samples": 1, "file": "layers_0004.exr"}],
+        "schema": "s", "schema_version": 1, "file": "shot.blend", "scene": "Scene", "camera": "Main",
+        "frames": [{"frame": 4, "resolution": [64, 36], "region": [0, 0, 64, 36], "samples": 1,
+                    "file": "layers_0004.exr"}],
         "layers": [{"frame": 4, "view_layer": "V", "light": "Key", "technique": "sm", "settings": settings,
                     "picture": "Key_sm.png"}],
     }  # fmt: skip
     path = tmp_path / "render.json"
     path.write_text(json.dumps(document))
 
-    def find(frame=4, resolution=(64, 36), samples=1, version=1, **changes):
-        wanted = done.Wanted(list(resolution), samples, [("V", "Key", "sm", {**settings, **changes})])
-        return done.DoneBefore(path, tmp_path, "s", version).find(frame, wanted, "layers")
+    def find(frame=4, resolution=(64, 36), region=(0, 0, 64, 36), samples=1, head=None, **changes):
+        wanted = done.Wanted(list(resolution), list(region), samples, [("V", "Key", "sm", {**settings, **changes})])
+        return done.DoneBefore(path, tmp_path, {**document, **(head or {})}).find(frame, wanted, "layers")
 
     assert find() is None  # the files are missing
     for name in ("layers_0004.exr", "Key_sm.png"):
@@ -240,7 +252,9 @@ def test_frames_that_are_there_are_found(tmp_path):
     assert find() == (document["frames"], document["layers"])
     assert find(bias=np.float32(0.1).item()) is not None
     assert find(frame=5) is None and find(resolution=(64, 37)) is None and find(samples=2) is None
-    assert find(map_size=512) is None and find(bilinear=False) is None and find(version=2) is None
+    assert find(map_size=512) is None and find(bilinear=False) is None and find(region=(8, 8, 9, 9)) is None
+    for other in ({"schema_version": 2}, {"file": "b.blend"}, {"scene": "Other"}, {"camera": "Side"}):
+        assert find(head=other) is None, other
     path.write_text("{broken")
     assert find() is None
 
