@@ -170,7 +170,7 @@ class CyclesTruth:
             "use_animated_seed", "shading_system",
         ):  # fmt: skip
             guard.set_if_there(cycles, name, False)
-        # Adaptive subdivision would refine what the snapshot holds at render level.
+        # Adaptive subdivision would refine what the snapshot holds at render level (from 5.0 on see the modifiers).
         guard.set_if_there(cycles, "feature_set", "SUPPORTED")
 
     def _set_up_output(self, guard: SceneGuard) -> None:
@@ -213,6 +213,8 @@ class CyclesTruth:
                 guard.set_if_there(owner, "shadow_terminator_shading_offset", 0.0)
                 guard.set_if_there(owner, "shadow_terminator_offset", 0.0)
                 guard.set_if_there(owner, "is_shadow_catcher", False)
+            for modifier in thing.modifiers:
+                guard.set_if_there(modifier, "use_adaptive_subdivision", False)
 
     def _find_transparent_objects(self) -> set[bpy.types.Object]:
         """Those that the layers leave out because every material is fully transparent; the materials that are put in

@@ -282,6 +282,25 @@ def test_nodes_of_a_light_do_not_matter(scene, kind):
     assert light.data.use_nodes
 
 
+def test_adaptive_subdivision_is_left_aside(scene):
+    """The layers know a mesh at its render level."""
+    bpy.ops.mesh.primitive_cube_add(size=4.0)
+    cube = bpy.context.object
+    add_camera(scene)
+    modifier = cube.modifiers.new("Subdivision", "SUBSURF")
+    modifier.render_levels = 1
+    with truth.CyclesTruth(scene, scene.view_layers[0], WIDTH, HEIGHT) as cycles:
+        plain = cycles.render_surface()
+    on_modifier = hasattr(modifier, "use_adaptive_subdivision")
+    owner = modifier if on_modifier else cube.cycles
+    owner.use_adaptive_subdivision = True
+    if not on_modifier:
+        scene.cycles.feature_set = "EXPERIMENTAL"
+    with truth.CyclesTruth(scene, scene.view_layers[0], WIDTH, HEIGHT) as cycles:
+        np.testing.assert_array_equal(cycles.render_surface().covered, plain.covered)
+    assert owner.use_adaptive_subdivision
+
+
 def test_notes_burnt_into_pictures_do_not_matter(scene):
     add_ground()
     add_camera(scene)
