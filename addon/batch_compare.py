@@ -171,10 +171,10 @@ class _Comparison:
                 render_frame(self._scene, frame)
 
     def _add_light(self, captured: CapturedFrame, result: _LightResult, layers: Sequence[CapturedLayer]) -> None:
-        suffix = f"{captured.frame:04d}" if self._options.frames is not None else ""
+        ending = f"_{captured.frame:04d}" if self._options.frames is not None else ""
         name = result.light.name
         truth_png = make_truth_png(result.truth.visible, result.classes)
-        truth_path = self._write_picture(truth_png, name, "truth", suffix)
+        truth_path = self._write_picture(truth_png, ending, name, "truth")
         entry = LightEntry(name, result.light.kind, captured.frame, truth_png)
         for layer in layers:
             measures = self._measure(captured, result, layer)
@@ -192,9 +192,9 @@ class _Comparison:
                 "truth_undecided": result.truth.undecided_count,
                 "truth_ms": {stage: round(value, 4) for stage, value in sum_up(result.truth.times_ms).items()},
                 "truth_cached": result.truth_cached,
-                "layer_picture": self._write_picture(layer_png, name, layer.technique, suffix),
+                "layer_picture": self._write_picture(layer_png, ending, name, layer.technique, "layer"),
                 "truth_picture": truth_path,
-                "difference_picture": self._write_picture(difference_png, name, layer.technique, "difference", suffix),
+                "difference_picture": self._write_picture(difference_png, ending, name, layer.technique, "difference"),
             }
             self._records.append(record)
             entry.techniques.append(TechniqueEntry(record, layer_png, difference_png))
@@ -230,8 +230,9 @@ class _Comparison:
             footprint_px=compute_footprint if map_size else None,
         )
 
-    def _write_picture(self, png: bytes, *parts: str) -> str:
-        path = self._options.out / (self._namer.make_name(*parts) + ".png")
+    def _write_picture(self, png: bytes, ending: str, *parts: str) -> str:
+        """Under a name that `render` gives to none of its pictures, so that both may write into one folder."""
+        path = self._options.out / (self._namer.make_name(*parts) + ending + ".png")
         write_bytes(path, png)
         return path.name
 

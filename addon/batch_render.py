@@ -24,6 +24,7 @@ from .names import COVERAGE_PASS
 from .picture import border_region, render_size
 
 RENDER_SCHEMA, RENDER_SCHEMA_VERSION = "shadow-layers-render", 1
+EXR_NAME_BYTES = 63  # of `layer.pass.X`, before Blender 5.0
 CHANNEL_LETTERS = {1: "X", 3: "RGB", 4: "RGBA"}
 
 
@@ -89,6 +90,11 @@ def check_file(path: Path, final: Path, channels: Sequence[str]) -> None:
     try:
         header = exr_check.check_exr(path)
         missing = [name for name in channels if name not in header.channels]
+        if missing and len(missing[0].encode()) > EXR_NAME_BYTES:
+            raise BatchError(
+                f'"{final}" was not written: this Blender cuts the channel name "{missing[0]}" to {EXR_NAME_BYTES} '
+                "bytes; give the view layer a shorter name"
+            )
         problem = f'it has no channel "{missing[0]}"' if missing else ""
     except FileNotFoundError:
         problem = "Blender wrote no file"

@@ -35,7 +35,7 @@ montage "$work"/{box,jenga,hall,fence,studio,city}/combined.png -resize 480x270 
 say "pictures of the techniques: ${techniques[*]}"
 batch "$work/jenga.blend" compare --techniques "$(IFS=,; echo "${techniques[*]}")" --map-size 256 --out "$work/compare"
 for technique in "${techniques[@]}"; do
-    montage "$work/compare/Lamp_truth.png" "$work/compare/Lamp_$technique.png" "$work/compare/Lamp_${technique}_difference.png" \
+    montage "$work/compare/Lamp_truth.png" "$work/compare/Lamp_${technique}_layer.png" "$work/compare/Lamp_${technique}_difference.png" \
         -crop 200x150+800+390 +repage -filter point -resize 200% -tile 3x1 -geometry +4+4 -background '#8a8f98' -depth 8 "$images/$technique.png"
 done
 say "layers of the studio scene"

@@ -223,6 +223,19 @@ def test_frames_of_long_names_do_not_overwrite_each_other(run_here, tmp_path, bl
     check_all_files(out, read_json(out / "render.json"), ("frames", "layers"))
 
 
+def test_long_view_layer_is_named_where_blender_cuts_channels(run_here, tmp_path, capfd, blend):
+    bpy.ops.wm.open_mainfile(filepath=str(blend))
+    bpy.context.scene.view_layers["ViewLayer"].name = "L" * 60
+    path = tmp_path / "long.blend"
+    bpy.ops.wm.save_as_mainfile(filepath=str(path))
+    code = run_here("render", "--techniques", "sm", "--lights", "Sun", "--out", tmp_path / "o", file=path)
+    if bpy.app.version >= (5, 0, 0):
+        assert code == 0
+    else:
+        assert code == 1 and "give the view layer a shorter name" in capfd.readouterr().err
+        assert not (tmp_path / "o" / "layers.exr").exists()
+
+
 def test_instanced_and_linked_lights_can_be_chosen(run_here, tmp_path, capfd, blend):
     bpy.ops.wm.open_mainfile(filepath=str(blend))
     scene = bpy.context.scene
