@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "engine/draw_state.h"
 
+#include <limits>
+
 namespace shadow_layers {
 namespace {
 
@@ -19,7 +21,8 @@ void apply(const GladGLContext& gl, const DrawState& state) {
     set_capability(gl, GL_DEPTH_CLAMP, state.depth_clamp);
     set_capability(gl, GL_BLEND, state.blend);
     gl.Disable(GL_CULL_FACE);
-    gl.Disable(GL_SCISSOR_TEST);
+    set_capability(gl, GL_SCISSOR_TEST, state.row_count > 0);
+    if (state.row_count > 0) gl.Scissor(0, state.row_begin, std::numeric_limits<GLsizei>::max(), state.row_count);
     gl.DepthFunc(state.depth_function);
     gl.DepthMask(state.depth_write ? GL_TRUE : GL_FALSE);
     const GLboolean color = state.color_write ? GL_TRUE : GL_FALSE;

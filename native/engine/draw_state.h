@@ -17,6 +17,7 @@ struct DrawState {
     bool blend = false;
     GLenum blend_equation = GL_FUNC_ADD;  ///< GL_MAX, GL_MIN, ...
     GLenum blend_source = GL_ONE, blend_target = GL_ONE;
+    int row_begin = 0, row_count = 0;  ///< rows of the target that may change; row_count 0: all
 
     /// Writes the nearest surface into a reversed depth buffer.
     static DrawState nearest() {

@@ -80,17 +80,20 @@ void Framebuffer::bind() const {
 
 void Framebuffer::clear_color(int index, float r, float g, float b, float a) {
     const float value[4] = {r, g, b, a};
+    gl().Disable(GL_SCISSOR_TEST);
     gl().ColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
     gl().ClearNamedFramebufferfv(id(), GL_COLOR, index, value);
 }
 
 void Framebuffer::clear_color_uint(int index, std::uint32_t r, std::uint32_t g, std::uint32_t b, std::uint32_t a) {
     const GLuint value[4] = {r, g, b, a};
+    gl().Disable(GL_SCISSOR_TEST);
     gl().ColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
     gl().ClearNamedFramebufferuiv(id(), GL_COLOR, index, value);
 }
 
 void Framebuffer::clear_depth(float depth) {
+    gl().Disable(GL_SCISSOR_TEST);
     gl().DepthMask(GL_TRUE);
     gl().ClearNamedFramebufferfv(id(), GL_DEPTH, 0, &depth);
 }

@@ -70,17 +70,14 @@ const gl::Texture& ResolvePass::run(Engine& engine, const Task& task) {
     params_buf_.bind_base(GL_UNIFORM_BUFFER, kLightParamsSlot);
     target_fb_.bind();
 
-    const GladGLContext& gl = engine.gl();
     const double rows = kReadsPerBand / (std::max(1.0, task.work_per_pixel) * std::max(1, frame.width));
     const int band = std::clamp(int(std::min(rows, double(frame.height))), 1, frame.height);
     for (int y = 0; y < frame.height; y += band) {
         engine.check_cancelled();
-        if (band < frame.height) {
-            gl.Enable(GL_SCISSOR_TEST);
-            gl.Scissor(0, y, frame.width, std::min(band, frame.height - y));
-        }
-        engine.draw_fullscreen();
-        gl.Disable(GL_SCISSOR_TEST);
+        DrawState state;
+        state.row_begin = y;
+        state.row_count = std::min(band, frame.height - y);
+        engine.draw_fullscreen(state);
         if (band < frame.height) engine.limit_queue();
     }
     return *target_tx_;

@@ -224,6 +224,45 @@ TEST(DepthMapStage, EqualInputsAreWorkedOnce) {
     EXPECT_EQ(first->texture->layers(), int(run.positions[0].views.size()));
 }
 
+TEST(ResolvePass, BandsOfALongPassShadeEachPixelOnce) {
+    TechniqueRunner runner;
+    SceneView view = box_scene(64, 36);
+    view.scene->lights = {make_light(LightKind::Sun, {1.2, 2.6, 4.6}, {0, 0, 0})};
+    const auto run = runner.render(view, "sm");
+    Engine& engine = runner.engine();
+    const auto map = render_depth_map(engine, *view.scene, run.positions[0]);
+    const gl::Program& program = engine.program("frame/fullscreen.vert", "techniques/sm/sm.frag");
+    ResolvePass pass;
+    const auto resolve = [&](double work_per_pixel, GLuint64& shaded) {
+        GLuint query = 0;
+        engine.gl().GenQueries(1, &query);
+        engine.gl().BeginQuery(GL_SAMPLES_PASSED, query);
+        const gl::Texture& result = pass.run(engine, {.frame = *run.frame,
+                                                      .light = view.scene->lights[0],
+                                                      .position = run.positions[0],
+                                                      .program = program,
+                                                      .work_per_pixel = work_per_pixel,
+                                                      .bind_inputs = [&] { map->texture->bind(kDepthMapUnit); }});
+        engine.gl().EndQuery(GL_SAMPLES_PASSED);
+        engine.gl().GetQueryObjectui64v(query, GL_QUERY_RESULT, &shaded);
+        engine.gl().DeleteQueries(1, &query);
+        return result.download<float>();
+    };
+    GLuint64 at_once = 0, in_rows = 0, in_bands = 0;
+    const std::vector<float> whole = resolve(1, at_once);
+    EXPECT_EQ(at_once, 64u * 36u);
+    EXPECT_EQ(resolve(1e9, in_rows), whole);
+    EXPECT_EQ(in_rows, at_once);
+    EXPECT_EQ(resolve(1e8 / (64 * 7), in_bands), whole);  // seven rows each, the last band is shorter
+    EXPECT_EQ(in_bands, at_once);
+    // The last band's limits must not stay: clears would mind them.
+    gl::Framebuffer target(engine.device(), "cleared");
+    auto cleared = std::make_shared<gl::Texture>(engine.device(), gl::TextureDesc{GL_R32F, 64, 36}, "cleared");
+    target.attach_color(0, cleared);
+    target.clear_color(0, 7);
+    EXPECT_EQ(cleared->download<float>(), std::vector<float>(64 * 36, 7.0f));
+}
+
 TEST(EdgeDistanceStage, TexelsHoldTheLineOfTheNearestEdge) {
     TechniqueRunner runner;
     SceneView view;
