@@ -153,6 +153,36 @@ TEST_F(EDSMTest, SoftBordersKeepTheirPlaceAndHaveTheWidthAsked) {
     }
 }
 
+TEST_F(EDSMTest, SoftBordersReachOverTheSeamsOfACube) {
+    // The light is 5 above the ground, so the face below it ends at x = 5; the shadow begins a few texels beyond.
+    const double border = 5.06;
+    SceneView view;
+    view.width = 512, view.height = 9;
+    view.place(view.add("ground", make_plane(40)));
+    view.place(view.add("half", make_plane(8)), placement({0.8 * border + 4, 0, 1}), kInstanceShadow);
+    view.camera = make_camera({5, 0, 10}, {5, 0, 0}, view.width, view.height, 10);
+    view.scene->lights = {make_light(LightKind::Point, {0, 0, 5}, {0, 0, 0})};
+    const double softness = 12;
+    const auto run = runner_.render(view, "edsm", parameters({{"map_size", std::int64_t{64}}, {"softness", softness}}));
+    const auto& maps = run.positions[0].views;
+    const auto below = std::find_if(maps.begin(), maps.end(), [](const LightView& map) { return map.face == 5; });
+    ASSERT_NE(below, maps.end());
+    const double texel = 5 * 2.0 / std::abs(below->lc_from_ws[0][0]) / below->size_texels;
+    ASSERT_GT(border - 5, 3 * texel) << "the border is on the rim's own texels";
+    ASSERT_LT(border - 5, 0.4 * softness * texel) << "the ramp does not reach the seam";
+    int soft = 0;
+    for (int x = 0; x < view.width; ++x) {
+        const std::size_t pixel = std::size_t(4 * view.width + x);
+        const double place = run.frame->positions_rel[pixel].x + run.frame->origin_ws.x;
+        if (place > 4.999) continue;
+        const double d = std::clamp(2 * (border - place) / texel / softness, -1.0, 1.0);
+        const double wanted = 0.5 + (d * std::sqrt(1 - d * d) + std::asin(d)) / std::acos(-1.0);
+        soft += wanted < 0.98;
+        ASSERT_NEAR(run.visibility()[pixel], wanted, 0.02) << place;
+    }
+    EXPECT_GT(soft, 2);
+}
+
 TEST_F(EDSMTest, SoftEdgesInsideAShadowLetNoLightThrough) {
     // The small plate's outline is seen from the light, but the large plate under it darkens both its sides on the
     // ground.

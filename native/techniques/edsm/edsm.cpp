@@ -141,6 +141,9 @@ TechniqueDescriptor describe_edsm() {
         TechniqueNeeds needs;
         needs.map_size = int(values.get_int("map_size"));
         needs.map_border_texels = kFootprintBorderTexels;
+        // The soft kernel sees edges as far as their quads reach, and asks the map beside them.
+        if (values.get_float("softness") > 0)
+            needs.map_border_texels += int(std::ceil(edge_options(values).edges.reach_texels));
         return needs;
     };
     return d;
