@@ -3,8 +3,15 @@
 #include "base/thread_pool.h"
 
 #include <algorithm>
+#include <system_error>
 
 namespace shadow_layers {
+
+namespace {
+
+constexpr int kMostThreads = 1024;  // as shadowcore's --threads
+
+}  // namespace
 
 struct ThreadPool::Loop {
     Loop(std::size_t item_count, std::size_t block_size, const std::function<void(std::size_t, std::size_t)>& loop_body)
@@ -20,7 +27,13 @@ int core_count() { return std::max(1, int(std::thread::hardware_concurrency()));
 
 ThreadPool::ThreadPool(int thread_count) {
     const int wanted = thread_count > 0 ? thread_count : core_count();
-    for (int i = 1; i < wanted; ++i) workers_.emplace_back([this] { work(); });
+    for (int i = 1; i < std::min(wanted, kMostThreads); ++i) {
+        try {
+            workers_.emplace_back([this] { work(); });
+        } catch (const std::system_error&) {
+            return;  // the system gives no more: those that are there do the work
+        }
+    }
 }
 
 ThreadPool::~ThreadPool() {

@@ -17,7 +17,7 @@ namespace shadow_layers {
 /// Used by one thread at a time (the session's worker).
 class ThreadPool {
 public:
-    /// `thread_count` <= 0: one per core.
+    /// `thread_count` <= 0: one per core. Fewer are made where the system gives no more; at most 1024.
     explicit ThreadPool(int thread_count);
     ~ThreadPool();
     ThreadPool(const ThreadPool&) = delete;
