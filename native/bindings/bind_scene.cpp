@@ -38,6 +38,7 @@ std::size_t add_mesh(PyScene& self, std::string name, const py::object& position
         GilRelease release;
         mesh = make_mesh(std::move(name), points_span, indices_span, std::move(owner));
     }
+    require_open(self, "add_mesh");  // another thread may have rendered the scene meanwhile
     self.scene->meshes.push_back(std::move(mesh));
     return self.scene->meshes.size() - 1;
 }
