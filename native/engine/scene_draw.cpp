@@ -104,17 +104,4 @@ void draw_scene(Engine& engine, const gl::Program& program, const DrawState& sta
     engine.count("triangles", total);
 }
 
-std::vector<std::uint32_t> select_instances(const Scene& scene, std::uint32_t flags,
-                                            std::span<const std::uint32_t> instances) {
-    std::vector<std::uint32_t> selected;
-    const auto add = [&](std::uint32_t i) {
-        if ((scene.instances[i].flags & flags) == flags) selected.push_back(i);
-    };
-    if (instances.empty())
-        for (std::uint32_t i = 0; i < scene.instances.size(); ++i) add(i);
-    else
-        for (const std::uint32_t i : instances) add(i);
-    return selected;
-}
-
 }  // namespace shadow_layers

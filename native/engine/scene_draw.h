@@ -30,8 +30,4 @@ struct SceneDraw {
 /// Long draws are cut into pieces with cancel checks between them (throws Cancelled). Counts "triangles" in the record.
 void draw_scene(Engine& engine, const gl::Program& program, const DrawState& state, const SceneDraw& draw);
 
-/// Those of `instances` whose flags hold all of `flags`. Empty `instances` stand for all of the scene.
-std::vector<std::uint32_t> select_instances(const Scene& scene, std::uint32_t flags,
-                                            std::span<const std::uint32_t> instances = {});
-
 }  // namespace shadow_layers

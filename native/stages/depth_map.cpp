@@ -45,7 +45,7 @@ std::shared_ptr<const DepthMap> draw_depth_map(Engine& engine, const Scene& scen
         target.clear_depth();
         if (position.views.empty()) continue;
         const LightView& view = position.views[std::size_t(layer)];
-        if (view.casters.empty()) continue;  // no list means all to draw_scene
+        if (view.casters.empty()) continue;
         const SlopeOffset offset(engine.gl(), slope_factor);
         DrawState state = DrawState::nearest();
         state.color_write = false;

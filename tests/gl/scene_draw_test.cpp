@@ -129,15 +129,5 @@ TEST_F(SceneDrawTest, CancelIsHeardBetweenPieces) {
     EXPECT_NO_THROW(draw(scene, {0}));
 }
 
-TEST_F(SceneDrawTest, SelectsByFlags) {
-    Scene scene;
-    scene.instances.resize(4);
-    scene.instances[1].flags = kInstanceShadow;
-    scene.instances[2].flags = kInstanceCamera;
-    EXPECT_EQ(select_instances(scene, kInstanceShadow), (std::vector<std::uint32_t>{0, 1, 3}));
-    const std::vector<std::uint32_t> some = {1, 2};
-    EXPECT_EQ(select_instances(scene, kInstanceCamera, some), (std::vector<std::uint32_t>{2}));
-}
-
 }  // namespace
 }  // namespace shadow_layers
