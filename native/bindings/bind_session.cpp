@@ -11,6 +11,7 @@
 #include "bindings/deferred_release.h"
 #include "bindings/render_pump.h"
 #include "shadow_layers/error.h"
+#include "shadow_layers/names.h"
 #include "shadow_layers/session.h"
 
 namespace shadow_layers::bindings {
@@ -112,10 +113,8 @@ py::dict info_to(const SessionInfo& info) {
 }
 
 PixelFilterKind filter_from(const std::string& name) {
-    if (name == "BOX") return PixelFilterKind::Box;
-    if (name == "GAUSSIAN") return PixelFilterKind::Gaussian;
-    if (name == "BLACKMAN_HARRIS") return PixelFilterKind::BlackmanHarris;
-    throw InputError("Session.render: filter '" + name + "' is unknown; use BOX, GAUSSIAN or BLACKMAN_HARRIS");
+    if (const auto found = find_pixel_filter(name)) return *found;
+    throw InputError("Session.render: filter '" + name + "' is unknown; use " + kPixelFilterNames);
 }
 
 std::vector<LayerJob> jobs_from(const py::sequence& jobs) {

@@ -4,30 +4,17 @@
 
 #include "bindings/bindings.h"
 #include "bindings/convert.h"
+#include "shadow_layers/names.h"
 #include "shadow_layers/technique_descriptor.h"
 
 namespace shadow_layers::bindings {
 namespace {
 
-const char* type_name(ParameterType type) {
-    switch (type) {
-        case ParameterType::Bool:
-            return "bool";
-        case ParameterType::Int:
-            return "int";
-        case ParameterType::Float:
-            return "float";
-        case ParameterType::Enum:
-            return "enum";
-    }
-    return "float";
-}
-
 py::dict parameter_info(const ParameterSpec& spec) {
     py::dict info;
     info["id"] = spec.id;
     info["label"] = spec.label;
-    info["type"] = type_name(spec.type);
+    info["type"] = get_name(spec.type);
     info["default"] = std::visit([](const auto& value) -> py::object { return py::cast(value); }, spec.default_value);
     info["min"] = spec.min;
     info["max"] = spec.max;
@@ -64,7 +51,7 @@ py::dict technique_info(const TechniqueDescriptor& descriptor) {
     info["reference"] = descriptor.reference;
     info["limits"] = descriptor.limits;
     py::list lights, parameters, outputs;
-    for (const LightKind kind : descriptor.lights) lights.append(light_kind_name(kind));
+    for (const LightKind kind : descriptor.lights) lights.append(get_name(kind));
     for (const ParameterSpec& spec : descriptor.parameters) parameters.append(parameter_info(spec));
     for (const OutputSpec& output : descriptor.outputs) outputs.append(output_info(output));
     info["lights"] = lights;

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "shadow_layers/error.h"
+#include "shadow_layers/names.h"
 
 namespace shadow_layers::bindings {
 namespace {
@@ -171,23 +172,9 @@ py::dict counters_to(const RenderStats& stats) {
     return counters;
 }
 
-namespace {
-constexpr std::pair<const char*, LightKind> kLightKinds[] = {
-    {"SUN", LightKind::Sun}, {"SPOT", LightKind::Spot}, {"POINT", LightKind::Point}, {"AREA", LightKind::Area}};
-}
-
 LightKind light_kind_from(const std::string& kind) {
-    for (const auto& [name, value] : kLightKinds) {
-        if (kind == name) return value;
-    }
-    throw InputError("kind: '" + kind + "' is no kind of light; use SUN, SPOT, POINT or AREA");
-}
-
-const char* light_kind_name(LightKind kind) {
-    for (const auto& [name, value] : kLightKinds) {
-        if (kind == value) return name;
-    }
-    return "POINT";
+    if (const auto found = find_light_kind(kind)) return *found;
+    throw InputError("kind: '" + kind + "' is no kind of light; use " + kLightKindNames);
 }
 
 }  // namespace shadow_layers::bindings

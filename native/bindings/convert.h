@@ -50,6 +50,5 @@ py::list times_to(const RenderStats& stats);
 py::dict counters_to(const RenderStats& stats);
 
 LightKind light_kind_from(const std::string& kind);
-const char* light_kind_name(LightKind kind);
 
 }  // namespace shadow_layers::bindings

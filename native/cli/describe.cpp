@@ -5,6 +5,8 @@
 #include <cmath>
 #include <sstream>
 
+#include "shadow_layers/names.h"
+
 namespace shadow_layers::cli {
 namespace {
 
@@ -32,20 +34,6 @@ std::string limits_text(const ParameterSpec& spec) {
     return text.str();
 }
 
-const char* type_name(ParameterType type) {
-    switch (type) {
-        case ParameterType::Bool:
-            return "bool";
-        case ParameterType::Int:
-            return "int";
-        case ParameterType::Float:
-            return "float";
-        case ParameterType::Enum:
-            return "enum";
-    }
-    return "float";
-}
-
 nlohmann::json value_to_json(const ParameterValue& value) {
     return std::visit([](const auto& held) { return nlohmann::json(held); }, value);
 }
@@ -56,7 +44,7 @@ nlohmann::json parameter_to_json(const ParameterSpec& spec) {
         items.push_back({{"id", item.id}, {"label", item.label}, {"help", item.help}});
     return {{"id", spec.id},
             {"label", spec.label},
-            {"type", type_name(spec.type)},
+            {"type", get_name(spec.type)},
             {"default", value_to_json(spec.default_value)},
             {"min", spec.min},
             {"max", spec.max},
@@ -76,20 +64,6 @@ nlohmann::json times_to_json(const RenderStats& stats, double StageTime::*member
 }
 
 }  // namespace
-
-const char* light_kind_name(LightKind kind) {
-    switch (kind) {
-        case LightKind::Sun:
-            return "SUN";
-        case LightKind::Spot:
-            return "SPOT";
-        case LightKind::Point:
-            return "POINT";
-        case LightKind::Area:
-            return "AREA";
-    }
-    return "POINT";
-}
 
 std::string describe_techniques() {
     std::ostringstream text;
@@ -116,7 +90,7 @@ nlohmann::json versions_to_json(const SessionInfo& info) {
 
 nlohmann::json technique_to_json(const TechniqueDescriptor& descriptor) {
     nlohmann::json lights = nlohmann::json::array(), parameters = lights, outputs = lights;
-    for (const LightKind kind : descriptor.lights) lights.push_back(light_kind_name(kind));
+    for (const LightKind kind : descriptor.lights) lights.push_back(get_name(kind));
     for (const ParameterSpec& spec : descriptor.parameters) parameters.push_back(parameter_to_json(spec));
     for (const OutputSpec& output : descriptor.outputs) {
         outputs.push_back(

@@ -14,8 +14,6 @@ namespace shadow_layers::cli {
 /// The techniques with their parameters as text for the help: all from the descriptors.
 std::string describe_techniques();
 
-const char* light_kind_name(LightKind kind);
-
 /// The parts that all JSON documents are made of.
 nlohmann::json versions_to_json(const SessionInfo& info);
 nlohmann::json technique_to_json(const TechniqueDescriptor& descriptor);

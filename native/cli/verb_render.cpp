@@ -11,6 +11,7 @@
 #include "io/image_writer.h"
 #include "io/whole_file.h"
 #include "shadow_layers/error.h"
+#include "shadow_layers/names.h"
 
 namespace shadow_layers::cli {
 namespace {
@@ -73,7 +74,7 @@ public:
             exr_->write(image);
             io::write_png(options_.out / output.picture, image);
             layers_.push_back({{"light", light.name},
-                               {"light_kind", light_kind_name(light.kind)},
+                               {"light_kind", get_name(light.kind)},
                                {"technique", job.technique},
                                {"frame", frame_},
                                {"view_layer", view_layer_},

@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "shadow_layers/error.h"
+#include "shadow_layers/names.h"
 
 namespace shadow_layers {
 namespace {
@@ -15,29 +16,6 @@ constexpr int kMostSamples = 64;
 constexpr double kWidestFilterPx = 16;
 
 [[noreturn]] void refuse(const std::string& text) { throw InputError(text); }
-
-std::string kind_name(LightKind kind) {
-    switch (kind) {
-        case LightKind::Sun:
-            return "sun";
-        case LightKind::Spot:
-            return "spot";
-        case LightKind::Point:
-            return "point";
-        case LightKind::Area:
-            return "area";
-    }
-    return "unknown";
-}
-
-const TechniqueDescriptor& find_descriptor(const std::vector<TechniqueDescriptor>& descriptors, const std::string& id) {
-    const auto found = std::find_if(descriptors.begin(), descriptors.end(), [&](const auto& d) { return d.id == id; });
-    if (found != descriptors.end()) return *found;
-    std::string known;
-    for (const auto& d : descriptors)
-        if (!d.test_only) known += (known.empty() ? "" : ", ") + d.id;
-    refuse("there is no technique \"" + id + "\"; the techniques are: " + known);
-}
 
 void check_map(const ResolvedJob& job, const gl::Limits& limits) {
     const int limit = std::min(limits.max_texture_size, limits.max_viewport_size);
@@ -57,11 +35,11 @@ ResolvedJob resolve_job(const RenderRequest& request, const LayerJob& job,
                std::to_string(lights.size()) + " lights");
     ResolvedJob resolved;
     resolved.light = job.light;
-    resolved.descriptor = &find_descriptor(descriptors, job.technique);
+    resolved.descriptor = &find_technique_descriptor(descriptors, job.technique);
     const Light& light = lights[job.light];
     const auto& kinds = resolved.descriptor->lights;
     if (std::find(kinds.begin(), kinds.end(), light.kind) == kinds.end())
-        refuse("technique \"" + job.technique + "\" does not serve " + kind_name(light.kind) + " lights (light \"" +
+        refuse("technique \"" + job.technique + "\" does not serve " + get_name(light.kind) + " lights (light \"" +
                light.name + "\")");
     resolved.parameters = resolve_parameters(job.technique, resolved.descriptor->parameters, job.parameters);
     if (resolved.descriptor->needs) resolved.needs = resolved.descriptor->needs(resolved.parameters);

@@ -11,6 +11,7 @@
 #include "io/scene_file.h"
 #include "io/zip_archive.h"
 #include "shadow_layers/error.h"
+#include "shadow_layers/names.h"
 
 namespace shadow_layers::io {
 namespace {
@@ -58,11 +59,8 @@ std::shared_ptr<std::vector<T>> read_array(const ZipArchive& archive, const std:
 
 LightKind light_kind(const JsonField& field) {
     const std::string kind = field.string();
-    if (kind == "SUN") return LightKind::Sun;
-    if (kind == "SPOT") return LightKind::Spot;
-    if (kind == "POINT") return LightKind::Point;
-    if (kind == "AREA") return LightKind::Area;
-    field.fail("'" + kind + "' is no kind of light; it is SUN, SPOT, POINT or AREA");
+    if (const auto found = find_light_kind(kind)) return *found;
+    field.fail("'" + kind + "' is no kind of light; it is " + kLightKindNames);
 }
 
 std::uint64_t bit_set(const JsonField& field) {
@@ -108,10 +106,8 @@ Camera read_camera(const JsonField& field) {
 
 PixelFilterKind filter_kind(const JsonField& field) {
     const std::string name = field.string();
-    if (name == "BOX") return PixelFilterKind::Box;
-    if (name == "GAUSSIAN") return PixelFilterKind::Gaussian;
-    if (name == "BLACKMAN_HARRIS") return PixelFilterKind::BlackmanHarris;
-    field.fail("'" + name + "' is no pixel filter; it is BOX, GAUSSIAN or BLACKMAN_HARRIS");
+    if (const auto found = find_pixel_filter(name)) return *found;
+    field.fail("'" + name + "' is no pixel filter; it is " + kPixelFilterNames);
 }
 
 void read_render(const JsonField& field, SceneFile& file) {

@@ -32,11 +32,15 @@ const std::vector<TechniqueDescriptor>& technique_descriptors() {
 }
 
 const TechniqueDescriptor& find_technique_descriptor(std::string_view id) {
-    const auto& all = technique_descriptors();
-    const auto it = std::find_if(all.begin(), all.end(), [&](const auto& d) { return d.id == id; });
-    if (it != all.end()) return *it;
+    return find_technique_descriptor(technique_descriptors(), id);
+}
+
+const TechniqueDescriptor& find_technique_descriptor(const std::vector<TechniqueDescriptor>& among,
+                                                     std::string_view id) {
+    const auto it = std::find_if(among.begin(), among.end(), [&](const auto& d) { return d.id == id; });
+    if (it != among.end()) return *it;
     std::string known;
-    for (const auto& d : all)
+    for (const auto& d : among)
         if (!d.test_only) known += (known.empty() ? "" : ", ") + d.id;
     throw InputError("there is no technique \"" + std::string(id) + "\"; the techniques are: " + known);
 }

@@ -46,5 +46,7 @@ const std::vector<TechniqueDescriptor>& technique_descriptors();
 
 /// InputError listing the known ids if there is none.
 const TechniqueDescriptor& find_technique_descriptor(std::string_view id);
+const TechniqueDescriptor& find_technique_descriptor(const std::vector<TechniqueDescriptor>& among,
+                                                     std::string_view id);
 
 }  // namespace shadow_layers
