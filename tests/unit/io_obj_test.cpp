@@ -87,7 +87,7 @@ TEST_F(IoObj, AResolutionOfAnotherShapeKeepsWhatWasSeen) {
 }
 
 TEST_F(IoObj, BadFilesAreNamed) {
-    for (const std::string text :
+    for (const std::string& text :
          {std::string(), std::string("v 0 0 0\nv 1 0 0\nv 0 1 0\n"),
           std::string("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 9\n"), std::string("v 0 0 0\nf 0 0 0\n"),
           std::string("v 0 0 0\nf -5 1 1\n"), std::string("\x89PNG\r\n\x1a\n\0\0\0", 11)}) {
