@@ -83,6 +83,10 @@ class CyclesTruth:
             raise TruthError(
                 f'scene "{self._scene.name}" has no camera: choose one in its properties, or give --camera'
             )
+        if not hasattr(self._scene, "cycles"):
+            raise TruthError(
+                "there is no Cycles to compare with: switch the add-on Cycles Render Engine on in Preferences > Add-ons"
+            )
         with contextlib.ExitStack() as stack:
             self._folder = stack.enter_context(tempfile.TemporaryDirectory(prefix="shadow_layers_truth_"))
             guard = stack.enter_context(SceneGuard())

@@ -12,7 +12,7 @@ import bpy
 import numpy as np
 
 from .snapshot import LightData, SceneSnapshot
-from .truth import TRUTH_VERSION, CyclesTruth, LightTruth, TruthSurface
+from .truth import TRUTH_VERSION, CyclesTruth, LightTruth, TruthError, TruthSurface
 from .truth_cache import TruthCache, compute_key
 
 # What the truth depends on besides the snapshot, which knows neither hair nor volumes.
@@ -102,7 +102,12 @@ class TruthStore:
         return surface, False
 
     def get_light(self, light: LightData) -> tuple[LightTruth, bool]:
-        """A light's truth, and whether it came from the cache."""
+        """A light's truth, and whether it came from the cache. Raises TruthError."""
+        if any(other.name.startswith(f"{light.name} @") for other in self._snapshot.lights):
+            raise TruthError(
+                f'"{light.name}" is instanced too, and Cycles can not tell it from its instances: '
+                "choose other lights with --lights"
+            )
         key = compute_light_key(self._scene_key, light) if self._cache is not None else ""
         found = self._load(key)
         if found is not None:

@@ -223,6 +223,20 @@ def test_frames_of_long_names_do_not_overwrite_each_other(run_here, tmp_path, bl
     check_all_files(out, read_json(out / "render.json"), ("frames", "layers"))
 
 
+def test_light_that_is_instanced_too_has_no_truth(run_here, tmp_path, capfd, blend):
+    bpy.ops.wm.open_mainfile(filepath=str(blend))
+    group = bpy.data.collections.new("Group")
+    group.objects.link(bpy.data.objects["Sun"])
+    holder = add("Holder", None, (0, 0, 4), scene=bpy.context.scene)
+    holder.instance_type, holder.instance_collection = "COLLECTION", group
+    path = tmp_path / "both.blend"
+    bpy.ops.wm.save_as_mainfile(filepath=str(path))
+    common = ("compare", "--techniques", "sm", "--no-cache", "--out", tmp_path / "o", "--lights")
+    assert run_here(*common, "Sun", file=path) == 1
+    assert '"Sun" is instanced too' in capfd.readouterr().err
+    assert run_here(*common, "Lamp.A", file=path) == 0
+
+
 def test_long_view_layer_is_named_where_blender_cuts_channels(run_here, tmp_path, capfd, blend):
     bpy.ops.wm.open_mainfile(filepath=str(blend))
     bpy.context.scene.view_layers["ViewLayer"].name = "L" * 60
