@@ -40,7 +40,7 @@ export SHADOW_LAYERS_NATIVE=$build_dir/python
 mkdir -p "$out"
 log=$out/preview.log
 : >"$log"
-# The scripts' own lines are shown; what Blender says besides goes to the log.
+# Goes to the log, and is shown only where it fails.
 quietly() {
     "$@" >>"$log" 2>&1 || {
         tail -n 25 "$log" >&2
@@ -49,14 +49,18 @@ quietly() {
 }
 say "making the studio scene"
 quietly run_script "$root/test_scenes/studio.py" "$out/studio.blend"
+# The batch tells its own progress, and at the end its table.
+shown() {
+    "$@" 2>>"$log" | tee -a "$log" || {
+        tail -n 25 "$log" >&2
+        die "that failed (above; all of it in $log)"
+    }
+}
 say "rendering the layers of 4 lights with 3 techniques, 16 samples a pixel"
-quietly run_batch render --techniques sm,pcf,edsm --samples 16 --out "$out"
+shown run_batch render --techniques sm,pcf,edsm --samples 16 --out "$out"
 say "comparing them with Cycles (a render of Cycles for each light)"
-quietly run_batch compare --techniques sm,pcf,edsm --out "$out"
+shown run_batch compare --techniques sm,pcf,edsm --out "$out"
 for file in layers.exr comparison.json index.html; do
     [ -s "$out/$file" ] || die "$out/$file was not written; $log says more"
 done
-echo
-awk '/^light +frame +technique/ { table = 1 } table { print } !NF { table = 0 }' "$log"
-echo
 say "done in $((SECONDS - started)) s. Open $out/index.html; the layers are in $out/layers.exr"
