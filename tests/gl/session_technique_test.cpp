@@ -213,7 +213,7 @@ TEST_F(SessionTechniqueTest, LightsOfOtherKindsAreRefused) {
     scene->lights[0].kind = LightKind::Sun;
     request.scene = scene;
     const std::string text = message_of<InputError>(request);
-    EXPECT_NE(text.find("sun"), std::string::npos) << text;
+    EXPECT_NE(text.find("SUN"), std::string::npos) << text;
     EXPECT_NE(text.find("lamp"), std::string::npos) << text;
 }
 
