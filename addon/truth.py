@@ -16,15 +16,19 @@ import os
 import tempfile
 import time
 from dataclasses import dataclass
-from typing import Any
 
 import bpy
 import numpy as np
 from numpy.typing import NDArray
 
 from .light_export import object_name
-from .materials import Opacity, examine
 from .scene_guard import SceneGuard
+from .truth_materials import (
+    HIDDEN_PREFIX,
+    find_transparent_objects,
+    make_diffuse_material,
+    make_position_material,
+)
 
 # Part of every cache key: raise it when what is rendered changes.
 TRUTH_VERSION = 2
@@ -34,7 +38,6 @@ FILTER_WIDTH_PX = 0.01
 LIGHT_ENERGY = 1000.0
 # A ratio this near to 0 or 1 is that value; others are counted as undecided and compared as what they are nearer to.
 RATIO_TOLERANCE = 1e-3
-MATERIAL_PREFIX = ".shadow_layers_truth"
 
 
 class TruthError(RuntimeError):
@@ -96,7 +99,7 @@ class CyclesTruth:
             self._set_up_objects(guard)
             self._position_material = make_position_material(guard)
             self._diffuse_material = make_diffuse_material(guard)
-            self._dark_light = guard.made(bpy.data.lights, bpy.data.lights.new(MATERIAL_PREFIX + "_dark", "POINT"))
+            self._dark_light = guard.made(bpy.data.lights, bpy.data.lights.new(HIDDEN_PREFIX + "_dark", "POINT"))
             self._dark_light.energy = 0.0
             self._stack = stack.pop_all()
         return self
@@ -122,6 +125,7 @@ class CyclesTruth:
             casts_shadow = get_shadow_switch(light)
             self._darken_lights(guard, light_object)
             guard.set(light_object, "data", light)
+            guard.set(light_object, "visible_diffuse", True)
             set_shadow_switch(light, casts_shadow)
             shadowed, on_ms = self._render(self._diffuse_material)
             set_shadow_switch(light, False)
@@ -204,7 +208,7 @@ class CyclesTruth:
             image.color_management = "FOLLOW_SCENE"
 
     def _set_up_objects(self, guard: SceneGuard) -> None:
-        transparent = self._find_transparent_objects()
+        transparent = find_transparent_objects(self._view_layer.material_override)
         for thing in bpy.data.objects:
             if thing.type == "LIGHT":
                 continue
@@ -219,24 +223,6 @@ class CyclesTruth:
                 guard.set_if_there(owner, "is_shadow_catcher", False)
             for modifier in thing.modifiers:
                 guard.set_if_there(modifier, "use_adaptive_subdivision", False)
-
-    def _find_transparent_objects(self) -> set[bpy.types.Object]:
-        """Those that the layers leave out because every material is fully transparent; the materials that are put in
-        place of all would show them. Instancers stay: their rays' switches would hide their instances."""
-        override = self._view_layer.material_override
-        facts: dict[Any, bool] = {}
-
-        def is_transparent(material: bpy.types.Material | None) -> bool:
-            if material not in facts:
-                facts[material] = examine(material).opacity is Opacity.TRANSPARENT
-            return facts[material]
-
-        found = set()
-        for thing in bpy.data.objects:
-            materials = [override] if override is not None else [slot.material for slot in thing.material_slots]
-            if materials and not thing.is_instancer and all(is_transparent(material) for material in materials):
-                found.add(thing)
-        return found
 
     # ---- lights
 
@@ -324,40 +310,3 @@ def set_shadow_switch(light: bpy.types.Light, casts_shadow: bool) -> None:
     if own is not None and hasattr(own, "cast_shadow"):
         own.cast_shadow = casts_shadow
     light.use_shadow = casts_shadow
-
-
-def make_material(guard: SceneGuard, name: str) -> Any:
-    """An empty node material, removed at the end."""
-    material = guard.made(bpy.data.materials, bpy.data.materials.new(MATERIAL_PREFIX + name))
-    if bpy.app.version < (5, 0, 0):  # always on from then on
-        material.use_nodes = True
-    material.node_tree.nodes.clear()
-    return material
-
-
-def make_position_material(guard: SceneGuard) -> bpy.types.Material:
-    """Shows the position in world axes as its colour."""
-    material = make_material(guard, "_position")
-    nodes, links = material.node_tree.nodes, material.node_tree.links
-    geometry, emission = nodes.new("ShaderNodeNewGeometry"), nodes.new("ShaderNodeEmission")
-    output = nodes.new("ShaderNodeOutputMaterial")
-    links.new(geometry.outputs["Position"], emission.inputs["Color"])
-    links.new(emission.outputs["Emission"], output.inputs["Surface"])
-    # Not a light: Cycles would gather every triangle of the scene for sampling.
-    if hasattr(material.cycles, "emission_sampling"):
-        material.cycles.emission_sampling = "NONE"
-    elif hasattr(material.cycles, "sample_as_light"):
-        material.cycles.sample_as_light = False
-    return material
-
-
-def make_diffuse_material(guard: SceneGuard) -> bpy.types.Material:
-    """White and diffuse about the geometric normal: smooth shading must not darken faces that see the light."""
-    material = make_material(guard, "_diffuse")
-    nodes, links = material.node_tree.nodes, material.node_tree.links
-    geometry, diffuse = nodes.new("ShaderNodeNewGeometry"), nodes.new("ShaderNodeBsdfDiffuse")
-    output = nodes.new("ShaderNodeOutputMaterial")
-    diffuse.inputs["Color"].default_value = (1.0, 1.0, 1.0, 1.0)
-    links.new(geometry.outputs["True Normal"], diffuse.inputs["Normal"])
-    links.new(diffuse.outputs["BSDF"], output.inputs["Surface"])
-    return material

@@ -282,6 +282,20 @@ def test_nodes_of_a_light_do_not_matter(scene, kind):
     assert light.data.use_nodes
 
 
+def test_rays_that_a_light_is_switched_off_for_do_not_matter(scene):
+    """A light that is hidden from diffuse surfaces in Cycles has a layer, so it has a truth too."""
+    add_ground()
+    add_polygon("Card", CARD)
+    add_camera(scene)
+    light = add_light("POINT", (1, 1, 5))
+    expected = render(scene)
+    light.visible_diffuse = light.visible_camera = light.visible_shadow = False
+    light.data.cycles.max_bounces = 0
+    result = render(scene)
+    assert np.array_equal(result.visible, expected.visible) and np.array_equal(result.lit, expected.lit)
+    assert not light.visible_diffuse
+
+
 def test_adaptive_subdivision_is_left_aside(scene):
     """The layers know a mesh at its render level."""
     bpy.ops.mesh.primitive_cube_add(size=4.0)
