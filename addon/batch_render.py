@@ -21,7 +21,7 @@ from .capture import CapturedFrame, CapturedLayer
 from .compare.pictures import make_layer_png, quantise
 from .compare.png import encode_png
 from .names import COVERAGE_PASS
-from .picture import border_region, render_size
+from .picture import border_region, literal_path, render_size
 
 RENDER_SCHEMA, RENDER_SCHEMA_VERSION = "shadow-layers-render", 1
 EXR_NAME_BYTES = 63  # of `layer.pass.X`, before Blender 5.0
@@ -244,7 +244,7 @@ def render_and_write(
     outputs = _Outputs(options, frame, layer_count)
     exr = outputs.get_path("layers", suffix=".exr")
     with whole_file(exr) as temporary:
-        scene.render.filepath = str(temporary)
+        scene.render.filepath = literal_path(scene.render, str(temporary))
         captured, render_ms = render_frame(scene, frame, write=True)
         if not any(item.layers for item in captured):  # with several view layers the engine only warns of each
             why = "; ".join(collect_warnings(captured))

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Shadow Layers contributors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The picture that a scene asks for: size, border, samples and pixel filter."""
+"""The picture that a scene asks for: size, border, samples and pixel filter; and its path."""
 
 from __future__ import annotations
 
@@ -22,6 +22,14 @@ def render_settings(scene: Any, width: int, height: int, region: tuple[int, int,
         filter=getattr(cycles, "pixel_filter_type", "BLACKMAN_HARRIS"),
         filter_width=float(getattr(cycles, "filter_width", scene.render.filter_size)),
     )
+
+
+def literal_path(render: Any, path: str) -> str:
+    """A path for `render.filepath` that Blender takes as it stands: since 4.5 words in braces are variables."""
+    property_of_path = render.bl_rna.properties["filepath"]
+    if not getattr(property_of_path, "is_path_supports_templates", False):
+        return path
+    return path.replace("{", "{{").replace("}", "}}")
 
 
 def render_size(render: Any) -> tuple[int, int]:

@@ -22,6 +22,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .light_export import object_name
+from .picture import literal_path
 from .scene_guard import SceneGuard
 from .truth_materials import (
     HIDDEN_PREFIX,
@@ -184,7 +185,7 @@ class CyclesTruth:
     def _set_up_output(self, guard: SceneGuard) -> None:
         render, image = self._scene.render, self._scene.render.image_settings
         self._path = os.path.join(self._folder, "truth.exr")
-        guard.set(render, "filepath", self._path)
+        guard.set(render, "filepath", literal_path(render, self._path))
         for name in ("use_file_extension", "use_overwrite"):
             guard.set(render, name, True)
         guard.set(render, "use_placeholder", False)

@@ -186,6 +186,15 @@ def test_skip_existing_renders_only_what_is_missing(run_here, tmp_path, capfd):
     assert capfd.readouterr().out.count("is there already") == 0
 
 
+def test_folder_with_an_odd_name(run_here, tmp_path, monkeypatch):
+    """Blender counts frames with #, and since 4.5 takes words in braces for variables."""
+    out = tmp_path / "a #1 {take} é"
+    assert run_here("render", "--techniques", "sm", "--lights", "Sun", "--out", out) == 0
+    check_all_files(out, read_json(out / "render.json"), ("frames", "layers"))
+    monkeypatch.setattr("tempfile.tempdir", str(out))  # where the truth is rendered
+    assert run_here("compare", "--techniques", "sm", "--lights", "Sun", "--out", out, "--no-cache") == 0
+
+
 def test_same_frame_twice_is_the_same(run_here, tmp_path):
     for name in "ab":
         assert run_here("render", "--techniques", "edsm", "--lights", "Lamp.A", "--out", tmp_path / name) == 0
