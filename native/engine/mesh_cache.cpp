@@ -103,7 +103,8 @@ void warn_of_dropped(Engine& engine, const Mesh& mesh, const GpuMesh& gpu) {
     if (gpu.dropped_count == 0) return;
     engine.warn("mesh \"" + mesh.name + "\": " + std::to_string(gpu.dropped_count) + " of " +
                 std::to_string(gpu.triangle_count) +
-                " triangles are left out, because a vertex is not a finite number; check the object's modifiers");
+                " triangles are left out, because a vertex is not a finite number or beyond 1e18; check the object's "
+                "modifiers");
 }
 
 }  // namespace
