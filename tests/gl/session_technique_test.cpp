@@ -4,8 +4,8 @@
 #include <cmath>
 #include <limits>
 
-#include "engine/render_run.h"
 #include "gl_fixture.h"
+#include "session/render_run.h"
 
 namespace shadow_layers {
 namespace {

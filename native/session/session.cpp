@@ -13,7 +13,7 @@
 #include <utility>
 
 #include "context/context.h"
-#include "engine/render_run.h"
+#include "session/render_run.h"
 
 namespace shadow_layers {
 namespace {

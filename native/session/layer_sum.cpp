@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 Shadow Layers contributors
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "engine/layer_sum.h"
+#include "session/layer_sum.h"
 
 #include <algorithm>
 #include <atomic>

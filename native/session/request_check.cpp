@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 Shadow Layers contributors
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "engine/request_check.h"
+#include "session/request_check.h"
 
 #include <algorithm>
 #include <array>

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 Shadow Layers contributors
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "engine/light_cache.h"
+#include "session/light_cache.h"
 
 namespace shadow_layers {
 

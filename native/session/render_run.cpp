@@ -1,16 +1,16 @@
 // SPDX-FileCopyrightText: 2026 Shadow Layers contributors
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "engine/render_run.h"
+#include "session/render_run.h"
 
 #include <algorithm>
 #include <optional>
 
-#include "engine/layer_sum.h"
-#include "engine/light_cache.h"
-#include "engine/request_check.h"
 #include "frame/clay.h"
 #include "frame/pixel_filter.h"
 #include "lights/facing.h"
+#include "session/layer_sum.h"
+#include "session/light_cache.h"
+#include "session/request_check.h"
 #include "shadow_layers/error.h"
 
 namespace shadow_layers {
