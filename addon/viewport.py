@@ -10,6 +10,7 @@ redraw when a picture is ready. Drawing goes through the `gpu` module, whatever 
 from __future__ import annotations
 
 import threading
+import traceback
 import weakref
 from dataclasses import dataclass, replace
 from typing import Any
@@ -117,6 +118,9 @@ class _Worker:
             return None
         except bridge.ShadowLayersError as error:
             return _Picture(error=str(error))
+        except Exception as error:  # the thread must live on, and nobody else would see it
+            traceback.print_exc()
+            return _Picture(error=f"internal error, please report it with the scene: {error!r}")
         return _Picture(pixels=np.ascontiguousarray(done.combined, np.float32))
 
 
