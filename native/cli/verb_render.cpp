@@ -1,5 +1,6 @@
 // SPDX-FileCopyrightText: 2026 Shadow Layers contributors
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include <array>
 #include <cstdio>
 #include <set>
 
@@ -149,6 +150,13 @@ private:
         return layer;
     }
 
+    /// x, y, width, height of what was rendered; an empty region in the request stands for the whole picture.
+    static std::array<int, 4> region_of(const RenderRequest& request) {
+        const PixelRect& region = request.region;
+        if (region.width == 0 && region.height == 0) return {0, 0, request.width, request.height};
+        return {region.x, region.y, region.width, region.height};
+    }
+
     void write_json(const FrameResult& result) const {
         nlohmann::json document = versions_to_json(info_);
         document["schema"] = "shadow-layers-render";
@@ -161,7 +169,9 @@ private:
         warnings.insert(warnings.end(), result.warnings.begin(), result.warnings.end());
         document["frames"] = nlohmann::json::array({{{"frame", frame_},
                                                      {"view_layer", view_layer_},
+                                                     {"camera", options_.camera},
                                                      {"resolution", {request_.width, request_.height}},
+                                                     {"region", region_of(request_)},
                                                      {"samples", request_.samples},
                                                      {"triangles", count_triangles(*request_.scene)},
                                                      {"instances", request_.scene->instances.size()},

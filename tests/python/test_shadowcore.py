@@ -136,6 +136,8 @@ def test_a_snapshot_of_the_add_on_is_rendered(run, snapshot, tmp_path):
     assert second["channel"] == "View.Shadow Rim_001/é pcf.X"
     assert all(ms >= 0 for layer in document["layers"] for ms in layer["time_ms"].values())
     assert document["frames"][0]["triangles"] == 14
+    width, height = document["frames"][0]["resolution"]
+    assert document["frames"][0]["region"] == [0, 0, width, height]
     mask = read_png(out / "Key_sm.png")[..., 0]
     assert mask.shape == (48, 64) and set(np.unique(mask)) == {0, 255}
     assert abs((mask == 0).sum() - 16 * 16) < 70 and mask[24, 32] == 0
