@@ -2,9 +2,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "bindings/render_pump.h"
 
+#include <algorithm>
 #include <chrono>
 #include <exception>
 #include <thread>
+#include <vector>
 
 #include "bindings/bindings.h"
 
@@ -12,6 +14,24 @@ namespace shadow_layers::bindings {
 namespace {
 
 constexpr std::chrono::milliseconds kPollInterval{50};
+
+/// The sessions whose callbacks run on this thread. A render of the same session from within one would wait for the
+/// outer render, which waits for the callback.
+thread_local std::vector<const Session*> sessions_here;
+
+class RunsHere {
+public:
+    explicit RunsHere(const Session& session) {
+        if (std::find(sessions_here.begin(), sessions_here.end(), &session) != sessions_here.end())
+            throw InputError(
+                "Session.render was called from on_layer or on_progress of the same session's render; "
+                "call it when that render has returned, or use a second session");
+        sessions_here.push_back(&session);
+    }
+    ~RunsHere() { sessions_here.pop_back(); }
+    RunsHere(const RunsHere&) = delete;
+    RunsHere& operator=(const RunsHere&) = delete;
+};
 
 }  // namespace
 
@@ -46,6 +66,7 @@ void RenderPump::abandon() {
 }
 
 FrameResult RenderPump::run(const RenderRequest& request, const RenderListener& listener) {
+    const RunsHere runs_here(session_);
     FrameResult result;
     std::exception_ptr core_failure, listener_failure;
     std::jthread helper([&] {

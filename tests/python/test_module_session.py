@@ -106,6 +106,15 @@ def test_on_layer_gets_each_layer_on_this_thread(core, session):
     assert all(isinstance(text, str) for _, text in progress)
 
 
+def test_a_callback_may_not_render_with_the_same_session(core, session):
+    scene, camera = small_scene.make_scene(core), small_scene.make_camera(core)
+    with pytest.raises(core.InputError, match="second session"):
+        session.render(
+            scene, camera, [(0, "sm", {})], **SIZE, on_layer=lambda _: session.render(scene, camera, [], **SIZE)
+        )
+    assert len(session.render(scene, camera, [(0, "sm", {})], **SIZE).layers) == 1
+
+
 @pytest.mark.parametrize("callback", ["on_layer", "on_progress"])
 def test_what_a_callback_raises_ends_the_render(core, session, callback):
     class Boom(Exception):
