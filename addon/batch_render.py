@@ -20,11 +20,10 @@ from .batch_scene import get_frames, set_up
 from .capture import CapturedFrame, CapturedLayer
 from .compare.pictures import make_layer_png, quantise
 from .compare.png import encode_png
-from .names import COVERAGE_PASS
+from .names import COVERAGE_PASS, EXR_NAME_BYTES
 from .picture import border_region, literal_path, render_size
 
 RENDER_SCHEMA, RENDER_SCHEMA_VERSION = "shadow-layers-render", 1
-EXR_NAME_BYTES = 63  # of `layer.pass.X`, before Blender 5.0
 CHANNEL_LETTERS = {1: "X", 3: "RGB", 4: "RGBA"}
 
 

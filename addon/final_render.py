@@ -13,9 +13,10 @@ import threading
 import time
 from typing import Any
 
+import bpy
 import numpy as np
 
-from . import bridge, capture, passes, preferences
+from . import bridge, capture, names, passes, preferences
 from .names import COVERAGE_PASS
 from .scene_export import SceneExporter, export_for_render
 from .snapshot import SceneSnapshot
@@ -147,7 +148,7 @@ class FinalRender:
         self._light_up_orphans(target, planned)
         frame.coverage, frame.combined, frame.aux = done.coverage, done.combined, dict(done.aux)
         frame.camera_position = tuple(done.camera_position)
-        frame.warnings += list(done.warnings)
+        frame.warnings += list(done.warnings) + self._cut_name_warnings(planned)
         frame.times, frame.counters, frame.total_ms = list(done.times), dict(done.counters), done.total_ms
         frame.info = bridge.session_info()
         return frame
@@ -166,6 +167,16 @@ class FinalRender:
             counters=dict(layer.counters),
             total_ms=layer.total_ms,
         )
+
+    def _cut_name_warnings(self, planned: list) -> list[str]:
+        """Blender before 5.0 cuts long channel names when it writes EXR, and then loses passes without a word."""
+        cut = [item.name for item in planned if names.is_cut_in_exr(self._view_layer, item.name)]
+        if not cut or bpy.app.version >= (5, 0, 0):
+            return []
+        return [
+            f'view layer "{self._view_layer}": its name is too long for the channels of "{cut[0]}" in an EXR file, '
+            f"which Blender cuts to {names.EXR_NAME_BYTES} bytes; give the view layer a shorter name"
+        ]
 
     @staticmethod
     def _light_up_orphans(target: Any, planned: list) -> None:

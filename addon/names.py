@@ -15,6 +15,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 PASS_NAME_BYTES = 32
+EXR_NAME_BYTES = 63  # of the whole `layer.pass.X`, before Blender 5.0
 COVERAGE_PASS = "Coverage"
 RESERVED_PASSES = frozenset({"Combined", COVERAGE_PASS})
 _DIGITS = "0123456789abcdefghijklmnopqrstuvwxyz"
@@ -48,6 +49,11 @@ def pass_names(keys: Sequence[PassKey]) -> list[str]:
         taken.add(unique)
         names[index] = unique
     return names
+
+
+def is_cut_in_exr(view_layer: str, pass_name: str) -> bool:
+    """True if the pass's channels don't fit into EXR_NAME_BYTES, whatever their one-letter ids."""
+    return len(f"{view_layer}.{pass_name}.X".encode()) > EXR_NAME_BYTES
 
 
 def short_hash(text: str, length: int = 4) -> str:

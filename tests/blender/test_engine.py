@@ -162,6 +162,16 @@ def test_view_layers_land_in_one_file(scene, tmp_path):
     assert "Beauty only.Coverage.X" in pictures
 
 
+def test_a_view_layer_whose_channels_blender_cuts_is_named(scene):
+    view_layer = bpy.context.view_layer
+    for name, is_cut in (("ViewLayer", False), ("A view layer whose name takes more than its share", True)):
+        view_layer.name = name
+        (frame,) = render().frames
+        told = [text for text in frame.warnings if "shorter name" in text]
+        assert len(told) == (is_cut and bpy.app.version < (5, 0, 0))
+        assert all(name in text for text in told)
+
+
 def test_percentage_and_png(scene, tmp_path):
     scene.render.resolution_percentage = 50
     if hasattr(scene.render.image_settings, "media_type"):
