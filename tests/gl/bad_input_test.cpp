@@ -10,6 +10,7 @@
 #include <numbers>
 #include <random>
 
+#include "gl/shared_session.h"
 #include "shadow_layers/error.h"
 #include "shadow_layers/session.h"
 #include "support/technique_scenes.h"
@@ -20,20 +21,6 @@ namespace {
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN(), kInf = std::numeric_limits<double>::infinity();
 constexpr float kNanF = std::numeric_limits<float>::quiet_NaN(), kInfF = std::numeric_limits<float>::infinity();
 constexpr int kWidth = 64, kHeight = 40;
-
-SessionOptions make_options() {
-    SessionOptions options;
-    options.backend = "osmesa";
-    options.threads = 2;
-    options.shader_dir = SHADOW_LAYERS_SHADER_DIR;
-    options.debug = true;
-    return options;
-}
-
-Session& shared_session() {
-    static Session session(make_options());
-    return session;
-}
 
 RenderRequest request_of(const SceneView& view) {
     RenderRequest request;
@@ -443,7 +430,7 @@ TEST(BadRequests, MapsBeyondTheDriversLimit) {
 
 TEST(BadSessions, MissingShaderFolder) {
     for (const char* folder : {"", "/nowhere/shaders", "/dev/null"}) {
-        SessionOptions options = make_options();
+        SessionOptions options = make_session_options();
         options.shader_dir = folder;
         try {
             Session session(options);
@@ -452,7 +439,7 @@ TEST(BadSessions, MissingShaderFolder) {
             expect_names(error.what(), {"shader", folder});
         }
     }
-    SessionOptions options = make_options();
+    SessionOptions options = make_session_options();
     options.shader_dir = "/tmp";  // exists, but holds no shaders
     try {
         Session session(options);
@@ -464,7 +451,7 @@ TEST(BadSessions, MissingShaderFolder) {
 }
 
 TEST(BadSessions, UnknownBackend) {
-    SessionOptions options = make_options();
+    SessionOptions options = make_session_options();
     options.backend = "vulkan";
     try {
         Session session(options);

@@ -38,7 +38,7 @@ TEST(Context, AutoAlwaysFindsOneHere) { EXPECT_FALSE(make_context("auto", 2)->de
 
 /// Where EGL works at all (a GPU, or Mesa without one), a session on it must give the pictures that OSMesa gives.
 TEST(Context, EGLDrawsWhatOSMesaDraws) {
-    SessionOptions options = test::session_options();
+    SessionOptions options = test::make_session_options();
     options.backend = "egl";
     std::unique_ptr<Session> egl;
     try {
@@ -47,7 +47,7 @@ TEST(Context, EGLDrawsWhatOSMesaDraws) {
         EXPECT_NE(std::string(error.what()).find("libegl1"), std::string::npos);
         GTEST_SKIP() << error.what();
     }
-    Session osmesa(test::session_options());
+    Session osmesa(test::make_session_options());
     RenderRequest request = test::make_request(test::make_ball_scene());
     request.jobs = {{0, "sm", {}}};
     std::vector<float> pictures[2];

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "gl/shared_session.h"
 #include "lights/facing.h"
 #include "shadow_layers/session.h"
 #include "support/ray_oracle.h"
@@ -14,20 +15,6 @@
 
 namespace shadow_layers::testing {
 namespace {
-
-SessionOptions make_options() {
-    SessionOptions options;
-    options.backend = "osmesa";
-    options.threads = 2;
-    options.shader_dir = SHADOW_LAYERS_SHADER_DIR;
-    options.debug = true;
-    return options;
-}
-
-Session& shared_session() {
-    static Session session(make_options());
-    return session;
-}
 
 struct Case {
     std::string technique;
@@ -144,7 +131,7 @@ TEST_P(Contract, TwoRendersAreBitIdentical) {
     view.scene->lights = {light_above()};
     const auto first = render(shared_session(), request_for(view));
     const auto cached = render(shared_session(), request_for(view));
-    Session fresh(make_options());
+    Session fresh(make_session_options());
     const auto anew = render(fresh, request_for(view));
     for (const OutputSpec& output : technique().outputs) {
         EXPECT_EQ(first[0].channels.at(output.id).data, cached[0].channels.at(output.id).data) << output.id;

@@ -13,6 +13,7 @@
 
 #include "context/context.h"
 #include "engine/engine.h"
+#include "gl/shared_session.h"
 #include "shadow_layers/session.h"
 
 namespace shadow_layers::test {
@@ -25,14 +26,7 @@ inline EngineOptions engine_options() {
     return options;
 }
 
-inline SessionOptions session_options() {
-    SessionOptions options;
-    options.backend = "osmesa";
-    options.threads = 2;
-    options.shader_dir = SHADOW_LAYERS_SHADER_DIR;
-    options.debug = true;
-    return options;
-}
+using testing::make_session_options;
 
 /// A context and an engine on the test's own thread; GL errors and leaked objects fail the test.
 class EngineTest : public ::testing::Test {

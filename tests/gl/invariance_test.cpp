@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "gl/shared_session.h"
 #include "lights/facing.h"
 #include "shadow_layers/session.h"
 #include "support/ray_oracle.h"
@@ -20,18 +21,6 @@ constexpr int kWidth = 640, kHeight = 360;
 constexpr double kAllowed = 0.001;
 /// A pixel that moved by less than this is the same.
 constexpr float kSame = 1.0f / 255;
-
-Session& shared_session() {
-    static Session session([] {
-        SessionOptions options;
-        options.backend = "osmesa";
-        options.threads = 2;
-        options.shader_dir = SHADOW_LAYERS_SHADER_DIR;
-        options.debug = true;
-        return options;
-    }());
-    return session;
-}
 
 /// `map_size` 0: the technique's default.
 std::vector<float> render(const SceneView& view, const std::string& technique, std::int64_t map_size = 0) {

@@ -18,7 +18,7 @@ using Clock = std::chrono::steady_clock;
 class SessionTest : public ::testing::Test {
 protected:
     // One for all tests of the suite: making it is the slow part, and using it again after errors is the point.
-    static void SetUpTestSuite() { session_ = std::make_unique<Session>(test::session_options()); }
+    static void SetUpTestSuite() { session_ = std::make_unique<Session>(test::make_session_options()); }
     static void TearDownTestSuite() { session_.reset(); }
     static Session& session() { return *session_; }
 
@@ -129,7 +129,7 @@ TEST_F(SessionTest, TwoRendersAreBitIdentical) {
     EXPECT_EQ(frames[0].coverage.data, frames[1].coverage.data);
     EXPECT_EQ(frames[0].combined.data, frames[1].combined.data);
     // So does another session, whose caches are cold.
-    Session other(test::session_options());
+    Session other(test::make_session_options());
     std::size_t i = 0;
     other.render(request, [&](Layer&& layer) {
         EXPECT_EQ(layer.channels.at("visibility").data, first[i++].channels.at("visibility").data);
@@ -339,7 +339,7 @@ TEST_F(SessionTest, NothingGrowsOverManyFrames) {
     request.jobs = {{0, "sm", {}}, {0, "edsm", {}}};
     for (LayerJob& job : request.jobs) job.parameters.set("map_size", std::int64_t(128));
     // Caches of its own, small enough to be full after a few frames: what grows then can only be a leak.
-    SessionOptions options = test::session_options();
+    SessionOptions options = test::make_session_options();
     options.gpu_cache_bytes = std::size_t{2} << 20;
     Session small(options);
     std::size_t host = 0, gpu = 0;
@@ -363,7 +363,7 @@ TEST_F(SessionTest, NothingGrowsOverManyFrames) {
 
 TEST(SessionLife, OpensAndClosesManyTimes) {
     for (int i = 0; i < 4; ++i) {
-        Session session(test::session_options());
+        Session session(test::make_session_options());
         RenderRequest request = test::make_request(test::make_ball_scene(), 32, 18);
         request.jobs = {{0, "sm", {}}};
         int layers = 0;
@@ -377,7 +377,7 @@ TEST(SessionLife, OpensAndClosesManyTimes) {
 
 TEST(SessionLife, ClosingEndsARunningRender) {
     for (bool destroy : {false, true}) {
-        auto session = std::make_unique<Session>(test::session_options());
+        auto session = std::make_unique<Session>(test::make_session_options());
         RenderRequest request = test::make_request(test::make_ball_scene(), 640, 360);
         request.samples = 64;
         for (int i = 0; i < 60; ++i) request.jobs.push_back({0, "pcf", {}});
@@ -401,10 +401,10 @@ TEST(SessionLife, ClosingEndsARunningRender) {
 }
 
 TEST(SessionLife, BadOptionsAreNamed) {
-    SessionOptions options = test::session_options();
+    SessionOptions options = test::make_session_options();
     options.backend = "vulkan";
     EXPECT_THROW(Session{options}, InputError);
-    options = test::session_options();
+    options = test::make_session_options();
     options.shader_dir = "/nowhere/shaders";
     try {
         Session session(options);
