@@ -18,6 +18,13 @@ ParameterSpec map_size_parameter() {
     return spec;
 }
 
+TechniqueNeeds map_needs(const ParameterValues& values, int reach_texels) {
+    TechniqueNeeds needs;
+    needs.map_size = int(values.get_int("map_size"));
+    needs.map_border_texels = kFootprintBorderTexels + reach_texels;
+    return needs;
+}
+
 std::vector<LightKind> all_light_kinds() {
     return {LightKind::Sun, LightKind::Spot, LightKind::Point, LightKind::Area};
 }

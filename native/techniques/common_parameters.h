@@ -15,4 +15,7 @@ std::vector<OutputSpec> visibility_output();
 /// so that they share views and depth maps.
 inline constexpr int kFootprintBorderTexels = 2;
 
+/// What a technique on maps of `map_size` needs; `reach_texels`: how far its lookups go beyond their 2 x 2 footprint.
+TechniqueNeeds map_needs(const ParameterValues& values, int reach_texels = 0);
+
 }  // namespace shadow_layers

@@ -138,13 +138,9 @@ TechniqueDescriptor describe_edsm() {
     d.limits =
         "Where two edges fall into one texel, or a caster is thinner than one, it is no better than the shadow map";
     d.needs = [](const ParameterValues& values) {
-        TechniqueNeeds needs;
-        needs.map_size = int(values.get_int("map_size"));
-        needs.map_border_texels = kFootprintBorderTexels;
         // The soft kernel sees edges as far as their quads reach, and asks the map beside them.
-        if (values.get_float("softness") > 0)
-            needs.map_border_texels += int(std::ceil(edge_options(values).edges.reach_texels));
-        return needs;
+        const bool soft = values.get_float("softness") > 0;
+        return map_needs(values, soft ? int(std::ceil(edge_options(values).edges.reach_texels)) : 0);
     };
     return d;
 }

@@ -100,12 +100,7 @@ TechniqueDescriptor describe_pcf() {
     d.outputs = visibility_output();
     d.lights = all_light_kinds();
     d.limits = "The border's width follows the map's texels, not the light's size";
-    d.needs = [](const ParameterValues& values) {
-        TechniqueNeeds needs;
-        needs.map_size = int(values.get_int("map_size"));
-        needs.map_border_texels = kFootprintBorderTexels + int(std::ceil(kernel_reach(values)));
-        return needs;
-    };
+    d.needs = [](const ParameterValues& values) { return map_needs(values, int(std::ceil(kernel_reach(values)))); };
     return d;
 }
 

@@ -180,9 +180,7 @@ TechniqueDescriptor describe_probe() {
     d.limits = "It is not meant to look good";
     d.test_only = true;
     d.needs = [](const ParameterValues& values) {
-        TechniqueNeeds needs;
-        needs.map_size = int(values.get_int("map_size"));
-        needs.map_border_texels = kFootprintBorderTexels;
+        TechniqueNeeds needs = map_needs(values);
         needs.overscan_px = std::max(1, int(values.get_int("blur")));  // the contrast looks one pixel far
         needs.light_positions = int(values.get_int("positions"));
         return needs;

@@ -47,12 +47,7 @@ TechniqueDescriptor describe_sm() {
     d.outputs = visibility_output();
     d.lights = all_light_kinds();
     d.limits = "Borders are stepped by the map's texels; casters thinner than a texel break up";
-    d.needs = [](const ParameterValues& values) {
-        TechniqueNeeds needs;
-        needs.map_size = int(values.get_int("map_size"));
-        needs.map_border_texels = kFootprintBorderTexels;
-        return needs;
-    };
+    d.needs = [](const ParameterValues& values) { return map_needs(values); };
     return d;
 }
 
