@@ -10,8 +10,10 @@ namespace {
 // In the order of the enumerators.
 constexpr std::array<const char*, 4> kLightKinds = {"SUN", "SPOT", "POINT", "AREA"};
 constexpr std::array<const char*, 3> kPixelFilters = {"BOX", "GAUSSIAN", "BLACKMAN_HARRIS"};
+constexpr std::array<const char*, 3> kTruthKinds = {"hard", "filtered", "soft"};
 constexpr std::array<const char*, 4> kParameterTypes = {"bool", "int", "float", "enum"};
-static_assert(int(LightKind::Area) == 3 && int(PixelFilterKind::BlackmanHarris) == 2 && int(ParameterType::Enum) == 3);
+static_assert(int(LightKind::Area) == 3 && int(PixelFilterKind::BlackmanHarris) == 2 && int(ParameterType::Enum) == 3 &&
+              int(TruthKind::Soft) == 2);
 
 template <class Names, class Enum>
 const char* name_of(const Names& names, Enum value) {
@@ -30,6 +32,7 @@ std::optional<Enum> find_name(const Names& names, std::string_view name) {
 const char* get_name(LightKind kind) { return name_of(kLightKinds, kind); }
 const char* get_name(PixelFilterKind filter) { return name_of(kPixelFilters, filter); }
 const char* get_name(ParameterType type) { return name_of(kParameterTypes, type); }
+const char* get_name(TruthKind kind) { return name_of(kTruthKinds, kind); }
 
 std::optional<LightKind> find_light_kind(std::string_view name) { return find_name<LightKind>(kLightKinds, name); }
 std::optional<PixelFilterKind> find_pixel_filter(std::string_view name) {

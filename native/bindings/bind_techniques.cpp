@@ -57,6 +57,7 @@ py::dict technique_info(const TechniqueDescriptor& descriptor) {
     info["lights"] = lights;
     info["parameters"] = parameters;
     info["outputs"] = outputs;
+    info["truth"] = get_name(find_truth(descriptor, resolve_parameters(descriptor, {})).kind);
     info["test_only"] = descriptor.test_only;
     return info;
 }
@@ -69,7 +70,17 @@ py::list techniques() {
 
 py::dict resolve(const std::string& technique, const py::object& given) {
     const TechniqueDescriptor& descriptor = find_technique_descriptor(technique);
-    return parameters_to(resolve_parameters(technique, descriptor.parameters, parameters_from("given", given)));
+    return parameters_to(resolve_parameters(descriptor, parameters_from("given", given)));
+}
+
+py::dict truth(const std::string& technique, const py::object& given) {
+    const TechniqueDescriptor& descriptor = find_technique_descriptor(technique);
+    const TruthSpec spec = find_truth(descriptor, resolve_parameters(descriptor, parameters_from("given", given)));
+    py::dict info;
+    info["kind"] = get_name(spec.kind);
+    info["footprint_texels"] = spec.footprint_texels;
+    info["footprint_world"] = spec.footprint_world;
+    return info;
 }
 
 }  // namespace
@@ -78,6 +89,8 @@ void bind_techniques(py::module_& module) {
     module.def("techniques", &techniques, "All techniques as data, in menu order.");
     module.def("resolve_parameters", &resolve, py::arg("technique"), py::arg("given"),
                "Defaults filled in and values checked; InputError names technique, parameter, value and range.");
+    module.def("get_truth", &truth, py::arg("technique"), py::arg("given"),
+               "Which exact picture a layer with these parameters stands for.");
 }
 
 }  // namespace shadow_layers::bindings

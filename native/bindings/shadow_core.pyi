@@ -47,11 +47,20 @@ class TechniqueInfo(TypedDict):
     lights: list[str]  # "SUN" | "SPOT" | "POINT" | "AREA"
     parameters: list[ParameterInfo]
     outputs: list[OutputInfo]
+    truth: str  # "hard" | "filtered" | "soft", with all parameters at their defaults
     test_only: bool
+
+class TruthInfo(TypedDict):
+    kind: str  # "hard" | "filtered" | "soft"
+    footprint_texels: float  # filtered: side of the square that is averaged over, in the plane of a view's map
+    footprint_world: float  # filtered: if not 0, side of the square in scene units on the receiver's plane
 
 def techniques() -> list[TechniqueInfo]: ...
 def resolve_parameters(technique: str, given: Mapping[str, Any]) -> dict[str, Any]:
     """Defaults filled in and values checked; InputError names technique, parameter, value and range."""
+
+def get_truth(technique: str, given: Mapping[str, Any]) -> TruthInfo:
+    """Which exact picture a layer with these parameters stands for. InputError as of resolve_parameters."""
 
 INSTANCE_CAMERA: int
 INSTANCE_SHADOW: int

@@ -104,6 +104,7 @@ nlohmann::json technique_to_json(const TechniqueDescriptor& descriptor) {
             {"lights", lights},
             {"parameters", parameters},
             {"outputs", outputs},
+            {"truth", get_name(find_truth(descriptor, resolve_parameters(descriptor, {})).kind)},
             {"test_only", descriptor.test_only}};
 }
 

@@ -57,7 +57,7 @@ void apply_settings(const Options& options, LayerJob& job) {
             job.parameters.set(spec.id, parse_value(job.technique, spec, setting.values.front()));
         }
     }
-    resolve_parameters(job.technique, descriptor.parameters, job.parameters);  // checks before anything is rendered
+    resolve_parameters(descriptor, job.parameters);  // checks before anything is rendered
 }
 
 // The parameters that the snapshot's job of this light and technique has, if there is one.
@@ -166,7 +166,7 @@ std::vector<ParameterValues> make_grid(const std::string& technique, const Optio
         const ParameterSpec& spec = require_spec(setting);
         if (setting.technique == technique) multiply(spec, setting.values);
     }
-    for (const ParameterValues& point : grid) resolve_parameters(technique, descriptor.parameters, point);
+    for (const ParameterValues& point : grid) resolve_parameters(descriptor, point);
     return grid;
 }
 

@@ -159,7 +159,7 @@ private:
                 Row row;
                 row.technique = id;
                 row.given = given;
-                row.resolved = resolve_parameters(id, technique.parameters, given);
+                row.resolved = resolve_parameters(technique, given);
                 row.request = make_request(file_);
                 row.request.combined = false;
                 for (const std::uint32_t light : lights) {

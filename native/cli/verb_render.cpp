@@ -126,7 +126,7 @@ private:
                 layer.metadata["shadow_layers.technique"] = technique.id;
                 layer.metadata["shadow_layers.output"] = spec.id;
                 layer.metadata["shadow_layers.settings"] =
-                    parameters_to_json(resolve_parameters(technique.id, technique.parameters, job.parameters)).dump();
+                    parameters_to_json(resolve_parameters(technique, job.parameters)).dump();
                 outputs_.push_back({j, spec, io::get_channel_list(layer),
                                     file_names.make(clean_for_files(light + "_" + technique.id +
                                                                     (tail.empty() ? "" : "_" + spec.id))) +

@@ -7,6 +7,7 @@
 #include <sstream>
 
 #include "shadow_layers/error.h"
+#include "shadow_layers/technique_descriptor.h"
 
 namespace shadow_layers {
 namespace {
@@ -102,12 +103,26 @@ ParameterValues resolve_parameters(std::string_view technique, const std::vector
                              "\"; it has: " + (known.empty() ? "none" : known));
         }
         ParameterValue converted;
-        if (!convert(*spec, value, converted))
-            throw InputError("technique \"" + std::string(technique) + "\", parameter \"" + id +
-                             "\": " + to_text(value) + " is not allowed; give " + describe_range(*spec));
+        if (!convert(*spec, value, converted)) refuse_parameter(technique, id, value, describe_range(*spec));
         resolved.set(id, std::move(converted));
     }
     return resolved;
+}
+
+ParameterValues resolve_parameters(const TechniqueDescriptor& technique, const ParameterValues& given) {
+    ParameterValues resolved = resolve_parameters(technique.id, technique.parameters, given);
+    if (technique.check) technique.check(resolved);
+    return resolved;
+}
+
+TruthSpec find_truth(const TechniqueDescriptor& technique, const ParameterValues& values) {
+    return technique.truth ? technique.truth(values) : TruthSpec{};
+}
+
+void refuse_parameter(std::string_view technique, std::string_view parameter, const ParameterValue& value,
+                      std::string_view allowed) {
+    throw InputError("technique \"" + std::string(technique) + "\", parameter \"" + std::string(parameter) +
+                     "\": " + to_text(value) + " is not allowed; give " + std::string(allowed));
 }
 
 }  // namespace shadow_layers

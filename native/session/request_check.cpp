@@ -41,7 +41,7 @@ ResolvedJob resolve_job(const RenderRequest& request, const LayerJob& job,
     if (std::find(kinds.begin(), kinds.end(), light.kind) == kinds.end())
         refuse("technique \"" + job.technique + "\" does not serve " + get_name(light.kind) + " lights (light \"" +
                light.name + "\")");
-    resolved.parameters = resolve_parameters(job.technique, resolved.descriptor->parameters, job.parameters);
+    resolved.parameters = resolve_parameters(*resolved.descriptor, job.parameters);
     if (resolved.descriptor->needs) resolved.needs = resolved.descriptor->needs(resolved.parameters);
     return resolved;
 }

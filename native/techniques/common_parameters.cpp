@@ -2,20 +2,16 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "techniques/common_parameters.h"
 
+#include "techniques/parameter_builder.h"
+
 namespace shadow_layers {
 
 ParameterSpec map_size_parameter() {
-    ParameterSpec spec;
-    spec.id = "map_size";
-    spec.label = "Map Size";
-    spec.type = ParameterType::Int;
-    spec.default_value = std::int64_t{1024};
-    spec.min = 1;
-    spec.max = 16384;
-    spec.unit = "texels";
-    spec.help = "Side of the square shadow map of a sun or spot light, or of each cube face of a point light";
-    spec.shared = true;
-    return spec;
+    return int_parameter("map_size", "Map Size", 1024)
+        .range(1, 16384)
+        .unit("texels")
+        .help("Side of the square shadow map of a sun or spot light, or of each cube face of a point light")
+        .shared();
 }
 
 TechniqueNeeds map_needs(const ParameterValues& values, int reach_texels) {

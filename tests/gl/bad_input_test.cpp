@@ -416,8 +416,7 @@ TEST(BadRequests, MapsBeyondTheDriversLimit) {
             if (spec.id != "map_size") continue;
             ParameterValues values;
             values.set("map_size", std::int64_t(spec.max));
-            const TechniqueNeeds needs =
-                technique.needs(resolve_parameters(technique.id, technique.parameters, values));
+            const TechniqueNeeds needs = technique.needs(resolve_parameters(technique, values));
             if (needs.map_size + 2 * needs.map_border_texels <= limit) continue;
             RenderRequest request = request_of(plain_view());
             request.jobs.push_back({0, technique.id, values});

@@ -360,7 +360,7 @@ TEST(Descriptors, AreComplete) {
             EXPECT_FALSE(spec.help.empty());
             EXPECT_TRUE(spec.type != ParameterType::Enum || spec.items.size() >= 2);
         }
-        const ParameterValues defaults = resolve_parameters(technique.id, technique.parameters, {});
+        const ParameterValues defaults = resolve_parameters(technique, {});
         EXPECT_EQ(defaults.all().size(), technique.parameters.size());
         EXPECT_NO_THROW(read_tolerances(technique.id));
     }

@@ -215,7 +215,7 @@ double texel_at(const std::vector<LightPosition>& positions, const glm::dvec3& p
 // its filter reach are not counted.
 TEST_P(InvarianceOfTechnique, FieldOfViewAgainstAClosedForm) {
     const TechniqueDescriptor& technique = find_technique_descriptor(GetParam());
-    const TechniqueNeeds needs = technique.needs(resolve_parameters(technique.id, technique.parameters, {}));
+    const TechniqueNeeds needs = technique.needs(resolve_parameters(technique, {}));
     const glm::dvec3 low(-0.8, -0.6, 0.5), high(0.7, 0.9, 1.4), place(2.3, -1.1, 4.7);
     for (const LightKind kind : {LightKind::Point, LightKind::Spot}) {
         if (!serves(kind)) continue;

@@ -58,7 +58,7 @@ public:
                         std::size_t light = 0, PixelRect region = {}) {
         const TechniqueEntry& entry = find_entry(technique);
         const TechniqueDescriptor descriptor = entry.describe();
-        const ParameterValues values = resolve_parameters(technique, descriptor.parameters, given);
+        const ParameterValues values = resolve_parameters(descriptor, given);
         const TechniqueNeeds needs = descriptor.needs(values);
         if (region.width == 0) region = {0, 0, view.width, view.height};
         auto& made = techniques_[technique];

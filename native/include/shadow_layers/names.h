@@ -8,6 +8,7 @@
 #include "shadow_layers/parameters.h"
 #include "shadow_layers/request.h"
 #include "shadow_layers/scene.h"
+#include "shadow_layers/technique_descriptor.h"
 
 namespace shadow_layers {
 
@@ -16,6 +17,7 @@ namespace shadow_layers {
 const char* get_name(LightKind kind);          ///< "SUN", "SPOT", "POINT", "AREA"
 const char* get_name(PixelFilterKind filter);  ///< "BOX", "GAUSSIAN", "BLACKMAN_HARRIS"
 const char* get_name(ParameterType type);      ///< "bool", "int", "float", "enum"
+const char* get_name(TruthKind kind);          ///< "hard", "filtered", "soft"
 
 /// Nothing if there is none of that name.
 std::optional<LightKind> find_light_kind(std::string_view name);

@@ -2,8 +2,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <cstdint>
 #include <functional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "shadow_layers/parameters.h"
@@ -27,6 +29,21 @@ struct TechniqueNeeds {
     int light_positions = 1;    ///< positions sampled on the light's shape; 1 = its centre
 };
 
+/// Which exact picture a technique's layer stands for.
+enum class TruthKind : std::uint8_t {
+    Hard,      ///< the mask of a light without size
+    Filtered,  ///< that mask, averaged over a square in the map or on the receiver's plane
+    Soft,      ///< the light in its real size
+};
+
+/// The truth of a layer with given parameters. A filter of another shape names the square of the same variance (a
+/// Gaussian: its standard deviation times the root of 12).
+struct TruthSpec {
+    TruthKind kind = TruthKind::Hard;
+    double footprint_texels = 0;  ///< Filtered: side of the square in texels of a view's map, in the map's plane
+    double footprint_world = 0;   ///< Filtered: if not 0, side of the square in scene units on the receiver's plane
+};
+
 /// A technique as data: everything that the rest of the product knows of it.
 struct TechniqueDescriptor {
     std::string id;         ///< lower case; names folder, shaders, passes, docs page, benchmark row
@@ -39,7 +56,23 @@ struct TechniqueDescriptor {
     std::string limits;               ///< one sentence: when it fails
     bool test_only = false;           ///< not offered to users (probe)
     std::function<TechniqueNeeds(const ParameterValues&)> needs;
+    /// What the layer approximates; empty: the hard mask.
+    std::function<TruthSpec(const ParameterValues&)> truth;
+    /// Throws InputError, made by `refuse_parameter`, for values that are wrong only together; may be empty.
+    std::function<void(const ParameterValues&)> check;
 };
+
+/// Fills in defaults and checks `given`, each value alone and then all together: InputError names technique, parameter,
+/// value and range.
+ParameterValues resolve_parameters(const TechniqueDescriptor& technique, const ParameterValues& given);
+
+/// The truth of a layer with these resolved parameters.
+TruthSpec find_truth(const TechniqueDescriptor& technique, const ParameterValues& values);
+
+/// Throws the InputError of `check`: technique, parameter, value and what is allowed ("a number from 0.1 to 42 with
+/// bits = 16").
+[[noreturn]] void refuse_parameter(std::string_view technique, std::string_view parameter, const ParameterValue& value,
+                                   std::string_view allowed);
 
 /// All registered techniques in menu order.
 const std::vector<TechniqueDescriptor>& technique_descriptors();

@@ -14,6 +14,7 @@
 #include "stages/edge_distance_map.h"
 #include "stages/resolve.h"
 #include "techniques/common_parameters.h"
+#include "techniques/parameter_builder.h"
 
 namespace shadow_layers {
 namespace {
@@ -82,45 +83,27 @@ private:
     ResolvePass resolve_;
 };
 
-ParameterSpec enum_parameter(std::string id, std::string label, std::string help, std::vector<EnumItem> items,
-                             std::string default_id) {
-    ParameterSpec spec;
-    spec.id = std::move(id);
-    spec.label = std::move(label);
-    spec.type = ParameterType::Enum;
-    spec.help = std::move(help);
-    spec.items = std::move(items);
-    spec.default_value = std::move(default_id);
-    return spec;
-}
-
 std::vector<ParameterSpec> edsm_parameters() {
-    ParameterSpec softness;
-    softness.id = "softness";
-    softness.label = "Softness";
-    softness.type = ParameterType::Float;
-    softness.default_value = 0.0;
-    softness.min = 0;
-    softness.max = 16;
-    softness.unit = "texels";
-    softness.help = "Width of the border's ramp, as of a round light; 0 gives hard shadows";
     return {
         map_size_parameter(),
-        softness,
-        enum_parameter("reading", "Reading", "How tests and distances are put together",
-                       {{"improved", "Improved", "Depth tests give the sign, the map the distance or a whole line"},
-                        {"thesis", "Thesis", "As the thesis reads: one slope bias, interpolated signed distances"}},
-                       "improved"),
-        enum_parameter("edge_order", "Edge Order", "Which of several edges a texel keeps",
-                       {{"stream", "Stream", "The one drawn last (figure 3.6)"},
-                        {"min", "Minimum", "The smallest distance to the edge's line (figure 3.7)"},
-                        {"thesis", "Thesis", "The thesis's corner priority (equation 3.8)"},
-                        {"corrected", "Corrected", "The nearest segment, then the more orthogonal one"}},
-                       "corrected"),
-        enum_parameter("quads", "Edge Quads", "Where the width of an edge's quad is measured (5.2.1)",
-                       {{"post_projective", "Post-Projective", "In the map: the same number of texels everywhere"},
-                        {"perspective", "Perspective", "Before projection: far edges get fewer texels"}},
-                       "post_projective"),
+        float_parameter("softness", "Softness", 0)
+            .range(0, 16)
+            .unit("texels")
+            .help("Width of the border's ramp, as of a round light; 0 gives hard shadows"),
+        enum_parameter("reading", "Reading", "improved")
+            .help("How tests and distances are put together")
+            .item("improved", "Improved", "Depth tests give the sign, the map the distance or a whole line")
+            .item("thesis", "Thesis", "As the thesis reads: one slope bias, interpolated signed distances"),
+        enum_parameter("edge_order", "Edge Order", "corrected")
+            .help("Which of several edges a texel keeps")
+            .item("stream", "Stream", "The one drawn last (figure 3.6)")
+            .item("min", "Minimum", "The smallest distance to the edge's line (figure 3.7)")
+            .item("thesis", "Thesis", "The thesis's corner priority (equation 3.8)")
+            .item("corrected", "Corrected", "The nearest segment, then the more orthogonal one"),
+        enum_parameter("quads", "Edge Quads", "post_projective")
+            .help("Where the width of an edge's quad is measured (5.2.1)")
+            .item("post_projective", "Post-Projective", "In the map: the same number of texels everywhere")
+            .item("perspective", "Perspective", "Before projection: far edges get fewer texels"),
     };
 }
 

@@ -11,6 +11,7 @@
 #include "stages/depth_map.h"
 #include "stages/resolve.h"
 #include "techniques/common_parameters.h"
+#include "techniques/parameter_builder.h"
 
 namespace shadow_layers {
 namespace {
@@ -58,34 +59,26 @@ private:
 };
 
 std::vector<ParameterSpec> pcf_parameters() {
-    ParameterSpec kernel;
-    kernel.id = "kernel";
-    kernel.label = "Kernel";
-    kernel.type = ParameterType::Int;
-    kernel.default_value = std::int64_t{3};
-    kernel.min = 1;
-    kernel.max = 31;
-    kernel.step = 2;
-    kernel.unit = "taps";
-    kernel.help = "Depth tests per side of the square kernel; 1 is the standard shadow map";
+    return {
+        map_size_parameter(),
+        int_parameter("kernel", "Kernel", 3)
+            .range(1, 31)
+            .step(2)
+            .unit("taps")
+            .help("Depth tests per side of the square kernel; 1 is the standard shadow map"),
+        float_parameter("radius", "Radius", 0)
+            .range(0, 64)
+            .unit("texels")
+            .help("Distance from the middle to the outermost taps; 0 sets the taps one texel apart"),
+        bool_parameter("bilinear", "Bilinear", false)
+            .help("Weigh the four texels round each tap, which makes the border's steps a ramp"),
+    };
+}
 
-    ParameterSpec radius;
-    radius.id = "radius";
-    radius.label = "Radius";
-    radius.type = ParameterType::Float;
-    radius.default_value = 0.0;
-    radius.min = 0;
-    radius.max = 64;
-    radius.unit = "texels";
-    radius.help = "Distance from the middle to the outermost taps; 0 sets the taps one texel apart";
-
-    ParameterSpec bilinear;
-    bilinear.id = "bilinear";
-    bilinear.label = "Bilinear";
-    bilinear.type = ParameterType::Bool;
-    bilinear.default_value = false;
-    bilinear.help = "Weigh the four texels round each tap, which makes the border's steps a ramp";
-    return {map_size_parameter(), kernel, radius, bilinear};
+/// The square that the taps' texels cover.
+TruthSpec pcf_truth(const ParameterValues& values) {
+    const double side = 1 + 2 * kernel_reach(values) + (values.get_bool("bilinear") ? 1 : 0);
+    return {.kind = TruthKind::Filtered, .footprint_texels = side};
 }
 
 }  // namespace
@@ -101,6 +94,7 @@ TechniqueDescriptor describe_pcf() {
     d.lights = all_light_kinds();
     d.limits = "The border's width follows the map's texels, not the light's size";
     d.needs = [](const ParameterValues& values) { return map_needs(values, int(std::ceil(kernel_reach(values)))); };
+    d.truth = pcf_truth;
     return d;
 }
 
