@@ -48,17 +48,39 @@ LightParams make_light_params(const Frame& frame, const Light& light, const Ligh
     return params;
 }
 
+void ResolvePass::prepare_target(Engine& engine, const Task& task) {
+    const int width = task.frame.width, height = task.frame.height;
+    const bool same_size = target_tx_ && target_tx_->width() == width && target_tx_->height() == height;
+    if (same_size && target_tx_->format() == task.format && (decided_tx_ || !task.second_program)) return;
+    target_fb_ = gl::Framebuffer();
+    target_tx_ =
+        std::make_shared<gl::Texture>(engine.device(), gl::TextureDesc{task.format, width, height}, "resolved layer");
+    decided_tx_.reset();
+    target_fb_ = gl::Framebuffer(engine.device(), "resolved layer");
+    target_fb_.attach_color(0, target_tx_);
+    if (!task.second_program) return;
+    decided_tx_ = std::make_shared<gl::Texture>(engine.device(), gl::TextureDesc{GL_DEPTH_COMPONENT32F, width, height},
+                                                "decided pixels");
+    target_fb_.attach_depth(decided_tx_);
+}
+
+void ResolvePass::draw(Engine& engine, const Frame& frame, const DrawState& state, double work_per_pixel) {
+    const double rows = kReadsPerBand / (std::max(1.0, work_per_pixel) * std::max(1, frame.width));
+    const int band = std::clamp(int(std::min(rows, double(frame.height))), 1, frame.height);
+    for (int y = 0; y < frame.height; y += band) {
+        engine.check_cancelled();
+        DrawState band_state = state;
+        band_state.row_begin = y;
+        band_state.row_count = std::min(band, frame.height - y);
+        engine.draw_fullscreen(band_state);
+        if (band < frame.height) engine.limit_queue();
+    }
+}
+
 const gl::Texture& ResolvePass::run(Engine& engine, const Task& task) {
     const auto timer = engine.time_stage("resolve");
     const Frame& frame = task.frame;
-    if (!target_tx_ || target_tx_->width() != frame.width || target_tx_->height() != frame.height ||
-        target_tx_->format() != task.format) {
-        target_fb_ = gl::Framebuffer();
-        target_tx_ = std::make_shared<gl::Texture>(
-            engine.device(), gl::TextureDesc{task.format, frame.width, frame.height}, "resolved layer");
-        target_fb_ = gl::Framebuffer(engine.device(), "resolved layer");
-        target_fb_.attach_color(0, target_tx_);
-    }
+    prepare_target(engine, task);
     if (!params_buf_) params_buf_ = gl::Buffer(engine.device(), sizeof(LightParams), "light params");
     const LightParams params = make_light_params(frame, task.light, task.position);
     params_buf_.write(&params, sizeof params);
@@ -70,15 +92,18 @@ const gl::Texture& ResolvePass::run(Engine& engine, const Task& task) {
     params_buf_.bind_base(GL_UNIFORM_BUFFER, kLightParamsSlot);
     target_fb_.bind();
 
-    const double rows = kReadsPerBand / (std::max(1.0, task.work_per_pixel) * std::max(1, frame.width));
-    const int band = std::clamp(int(std::min(rows, double(frame.height))), 1, frame.height);
-    for (int y = 0; y < frame.height; y += band) {
-        engine.check_cancelled();
-        DrawState state;
-        state.row_begin = y;
-        state.row_count = std::min(band, frame.height - y);
-        engine.draw_fullscreen(state);
-        if (band < frame.height) engine.limit_queue();
+    // What the first program decides goes before the cleared depth, where the second one's pixels don't reach.
+    DrawState state;
+    if (task.second_program) {
+        target_fb_.clear_depth();
+        state = DrawState::nearest();
+    }
+    draw(engine, frame, state, task.work_per_pixel);
+    if (task.second_program) {
+        task.second_program->use();
+        if (task.bind_second_inputs) task.bind_second_inputs();
+        state.depth_write = false;
+        draw(engine, frame, state, task.second_work_per_pixel);
     }
     return *target_tx_;
 }

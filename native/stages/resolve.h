@@ -24,16 +24,25 @@ public:
         const Frame& frame;
         const Light& light;
         const LightPosition& position;
-        const gl::Program& program;
+        const gl::Program& program;  ///< may `discard` the pixels that it leaves to `second_program`
+        /// Drawn over the pixels that `program` discarded, if any are to be expected. A depth test holds the others
+        /// back: unlike a branch in the shader, that saves their cost on a software rasteriser too.
+        const gl::Program* second_program = nullptr;
         GLenum format = GL_R32F;
-        double work_per_pixel = 1;  ///< texture reads; long passes are cut into bands, so that a cancel is heard
-        std::function<void()> bind_inputs;  ///< binds maps (units kDepthMapUnit and up) and sets uniforms
+        double work_per_pixel = 1;         ///< texture reads; long passes are cut into bands, so that a cancel is heard
+        double second_work_per_pixel = 1;  ///< likewise, of the second program over its pixels
+        /// Binds maps (units kDepthMapUnit and up) and sets the program's uniforms.
+        std::function<void()> bind_inputs = {};
+        std::function<void()> bind_second_inputs = {};  ///< sets the second program's uniforms
     };
     /// The result stays valid until the next run of this pass.
     const gl::Texture& run(Engine& engine, const Task& task);
 
 private:
-    std::shared_ptr<gl::Texture> target_tx_;
+    void prepare_target(Engine& engine, const Task& task);
+    void draw(Engine& engine, const Frame& frame, const DrawState& state, double work_per_pixel);
+
+    std::shared_ptr<gl::Texture> target_tx_, decided_tx_;
     gl::Framebuffer target_fb_;
     gl::Buffer params_buf_;
 };
