@@ -12,7 +12,7 @@ script_name=setup
 build_packages=(
     build-essential cmake ninja-build git python3.11-dev python3.11-venv python3-glad
     libglm-dev libxxhash-dev libopenimageio-dev openimageio-tools libtinygltf-dev libtinyobjloader-dev
-    libzip-dev nlohmann-json3-dev libcli11-dev
+    libzip-dev nlohmann-json3-dev libcli11-dev libembree-dev
     libosmesa6 libegl1 libegl-mesa0 libgl1-mesa-dri
 )
 # What Blender as a module loads from the system.
@@ -20,7 +20,7 @@ bpy_packages=(
     libx11-6 libxrender1 libxfixes3 libxi6 libxxf86vm1 libxkbcommon0 libsm6 libice6 libgl1 libegl1 libgomp1
 )
 blender_packages=(blender python3-numpy python3-pytest)
-test_packages=(libgtest-dev libembree-dev clang-format xvfb xauth xdotool imagemagick)
+test_packages=(libgtest-dev clang-format xvfb xauth xdotool imagemagick)
 
 is_installed() { [ "$(dpkg-query -W -f '${db:Status-Status}' "$1" 2>/dev/null)" = installed ]; }
 

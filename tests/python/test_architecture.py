@@ -113,8 +113,9 @@ BELOW = {
     "stages": {"engine", "gl", "lights", "frame", "scene", "base"},
     "techniques": {"stages", "engine", "gl", "lights", "frame", "scene", "base"},
     "session": {"techniques", "engine", "gl", "context", "lights", "frame", "scene", "base"},
+    "truth": {"lights", "frame", "scene", "base"},
     "io": set(),
-    "cli": {"io"},
+    "cli": {"io", "truth"},
     "bindings": set(),
     "include": set(),
 }
@@ -161,7 +162,8 @@ LIBRARIES = {
     r"pybind11/|Python\.h": {"bindings"},
     r"glad/": {"gl", "engine", "context"},
     r"xxhash": {"base"},
-    r"embree|tbb/|GL/gl\.h|EGL/": {"nowhere"},
+    r"embree": {"truth"},
+    r"tbb/|GL/gl\.h|EGL/": {"nowhere"},
 }
 
 

@@ -16,6 +16,7 @@ FORBIDDEN = (
     "libOpenImageIO",
     "libOpenEXR",
     "libImath",
+    "libembree",
     "libtbb",
     "libLLVM",
     "libpython",

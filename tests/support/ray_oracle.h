@@ -1,72 +1,16 @@
 // SPDX-FileCopyrightText: 2026 Shadow Layers contributors
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
-// Independent truth for tests: which pixel sees what, and what lies between it and a light. Embree finds the boxes that
-// a ray passes; every triangle is then decided here in double, so nothing hangs on float near ties.
+// The exact rays of native/truth/, as tests call them.
 
-#include <memory>
-#include <optional>
-#include <vector>
-
-#include "frame/frame.h"
-#include "lights/light_views.h"
-#include "shadow_layers/camera.h"
-#include "shadow_layers/scene.h"
-
-namespace shadow_layers {
-class ThreadPool;
-}
+#include "truth/ray_oracle.h"
 
 namespace shadow_layers::testing {
 
-/// A triangle that a ray meets.
-struct RayHit {
-    PixelIds ids;
-    double distance = 0;  ///< along the unscaled direction
-};
-
-class RayOracle {
-public:
-    /// Holds all instances; positions are taken relative to the middle of the scene's bounds.
-    explicit RayOracle(std::shared_ptr<const Scene> scene);
-    ~RayOracle();
-    RayOracle(const RayOracle&) = delete;
-    RayOracle& operator=(const RayOracle&) = delete;
-
-    /// First triangle from origin + near * direction to origin + far * direction among instances with any of `flags`.
-    std::optional<RayHit> find_first(const glm::dvec3& origin_ws, const glm::dvec3& direction, double near, double far,
-                                     std::uint32_t flags) const;
-
-    /// Is anything that casts for `light` strictly between the receiver and the light? Left out: the receiver's own
-    /// triangle and triangles in its plane that share an edge with it (by position).
-    bool is_occluded(const glm::dvec3& receiver_ws, const PixelIds& receiver, const Light& light,
-                     const LightPosition& position) const;
-
-    /// The exact hard shadow: per pixel of the frame 1 = lit, 0 = in shadow or turned away, by the rule of
-    /// lights/facing.h. Receivers are taken anew in double from the pixel's ray and the plane of the triangle in
-    /// frame.ids.
-    std::vector<float> compute_visibility(const Frame& frame, const Light& light, const LightPosition& position,
-                                          ThreadPool* threads = nullptr) const;
-
-    /// A frame without GL: ids, positions, normals and coverage as frame.h says; no textures, no key.
-    Frame make_frame(const Camera& camera, int width, int height, ThreadPool* threads = nullptr) const;
-
-    /// Corners of a triangle in the world, relative to get_origin().
-    std::array<glm::dvec3, 3> get_corners(const PixelIds& ids) const;
-    glm::dvec3 get_origin() const;
-
-private:
-    struct Impl;
-    std::unique_ptr<Impl> impl_;
-};
-
-/// The ray of a pixel's centre, by the camera's definition alone: start and direction of view depth 1.
-struct PixelRay {
-    glm::dvec3 origin_ws, direction;
-};
-PixelRay compute_pixel_ray(const Camera& camera, double x_px, double y_px, int width, int height);
-
-/// Where the ray meets the plane of the triangle; nothing if it runs along it.
-std::optional<double> intersect_plane(const PixelRay& ray, const std::array<glm::dvec3, 3>& corners_ws);
+using truth::compute_pixel_ray;
+using truth::intersect_plane;
+using truth::PixelRay;
+using truth::RayHit;
+using truth::RayOracle;
 
 }  // namespace shadow_layers::testing

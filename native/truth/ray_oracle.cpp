@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 Shadow Layers contributors
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "support/ray_oracle.h"
+#include "truth/ray_oracle.h"
 
 #include <embree3/rtcore.h>
 
@@ -14,7 +14,7 @@
 #include "lights/facing.h"
 #include "scene/bounds.h"
 
-namespace shadow_layers::testing {
+namespace shadow_layers::truth {
 
 namespace {
 
@@ -310,4 +310,4 @@ std::optional<double> intersect_plane(const PixelRay& ray, const std::array<glm:
     return glm::dot(corners_ws[0] - ray.origin_ws, normal) / along;
 }
 
-}  // namespace shadow_layers::testing
+}  // namespace shadow_layers::truth

@@ -1,0 +1,49 @@
+// SPDX-FileCopyrightText: 2026 Shadow Layers contributors
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include "shadow_layers/camera.h"
+#include "shadow_layers/scene.h"
+#include "shadow_layers/technique_descriptor.h"
+
+namespace shadow_layers {
+class CancelToken;
+}
+
+namespace shadow_layers::truth {
+
+/// What the layers of one picture should be, by exact rays: one sample at each pixel's centre, row 0 at the bottom.
+class ExactLayers {
+public:
+    /// Finds what each pixel sees. `threads` <= 0: one per core. Throws Cancelled.
+    ExactLayers(std::shared_ptr<const Scene> scene, const Camera& camera, int width, int height, int threads,
+                const CancelToken& cancel);
+    ~ExactLayers();
+    ExactLayers(const ExactLayers&) = delete;
+    ExactLayers& operator=(const ExactLayers&) = delete;
+
+    /// The truth of a layer, 0 to 1 per pixel (width * height). `map_size`: of the technique's views, for footprints in
+    /// texels.
+    ///
+    /// Hard: the mask of the light's centre. Filtered: its mean over a square of points in the plane of the receiver's
+    /// triangle; the square is taken in the map's plane (footprint_texels) or in the receiver's (footprint_world).
+    /// Where the square's corners, sides' middles and centre agree, they are the answer; elsewhere kFilterSide^2 points
+    /// are taken. Soft: the mean over kLightPositions points of the light's shape. Throws Cancelled.
+    std::vector<float> compute(std::uint32_t light, const TruthSpec& spec, int map_size) const;
+
+    /// 1 where the pixel's visibility is decided by what lies between it and the light: its face is turned to the
+    /// light, inside its cone, and linked.
+    std::vector<std::uint8_t> find_comparable(std::uint32_t light) const;
+
+    static constexpr int kFilterSide = 8, kLightPositions = 64;
+
+private:
+    struct Impl;
+    std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace shadow_layers::truth
