@@ -38,6 +38,7 @@ class CapturedLayer:
     times: list[dict[str, float | str]]
     counters: dict[str, int]
     total_ms: float
+    views: list[dict[str, Any]] = field(default_factory=list)  # of its maps: MapView in request.h
 
 
 @dataclass

@@ -166,6 +166,7 @@ class FinalRender:
             times=list(layer.times),
             counters=dict(layer.counters),
             total_ms=layer.total_ms,
+            views=list(layer.views),
         )
 
     def _cut_name_warnings(self, planned: list) -> list[str]:

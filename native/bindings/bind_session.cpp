@@ -21,7 +21,7 @@ struct PyLayer {
     std::uint32_t job = 0, light = 0;
     std::string technique;
     py::dict parameters, channels;
-    py::list times;
+    py::list views, times;
     py::dict counters;
     double total_ms = 0;
 };
@@ -159,6 +159,19 @@ PixelRect region_from(const py::object& region) {
     return rect;
 }
 
+py::dict view_to(const MapView& view) {
+    py::array_t<double> matrix({4, 4});
+    for (int row = 0; row < 4; ++row)
+        for (int column = 0; column < 4; ++column) matrix.mutable_at(row, column) = view.view_from_world[column][row];
+    py::dict result;
+    result["perspective"] = view.perspective;
+    result["face"] = view.face;
+    result["corner"] = py::make_tuple(view.corner.x, view.corner.y);
+    result["texel_size"] = py::make_tuple(view.texel_size.x, view.texel_size.y);
+    result["view_from_world"] = matrix;
+    return result;
+}
+
 PyLayer layer_to(Layer&& layer, const RenderRequest& request) {
     PyLayer result;
     result.job = layer.job;
@@ -166,6 +179,7 @@ PyLayer layer_to(Layer&& layer, const RenderRequest& request) {
     result.technique = request.jobs.at(layer.job).technique;
     result.parameters = parameters_to(layer.parameters);
     for (auto& [name, image] : layer.channels) result.channels[py::str(name)] = array_from(std::move(image));
+    for (const MapView& view : layer.views) result.views.append(view_to(view));
     result.times = times_to(layer.stats);
     result.counters = counters_to(layer.stats);
     result.total_ms = layer.stats.total_ms;
@@ -233,6 +247,7 @@ void bind_results(py::module_& module) {
         .def_readonly("technique", &PyLayer::technique)
         .def_readonly("parameters", &PyLayer::parameters, "Every parameter with its value.")
         .def_readonly("channels", &PyLayer::channels, "float32 (h, w) or (h, w, c) by name; row 0 at the bottom.")
+        .def_readonly("views", &PyLayer::views, "The maps' views; see MapView in request.h.")
         .def_readonly("times", &PyLayer::times)
         .def_readonly("counters", &PyLayer::counters)
         .def_readonly("total_ms", &PyLayer::total_ms);

@@ -120,6 +120,7 @@ class Layer:
     technique: str
     parameters: dict[str, Any]
     channels: dict[str, NDArray[np.float32]]  # (h, w) or (h, w, c), of the region
+    views: list[dict[str, Any]]  # MapView of request.h; view_from_world is (4, 4) float64
     times: list[dict[str, float | str]]  # stage, cpu_ms, gl_ms (-1: no GL)
     counters: dict[str, int]
     total_ms: float

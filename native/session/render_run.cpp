@@ -19,6 +19,23 @@ namespace {
 // Sums of many-sample layers held at once. More jobs than that are worked in several passes over the samples.
 constexpr std::size_t kSumBytes = std::size_t{256} << 20;
 
+/// What is told of the views of a position.
+std::vector<MapView> describe_views(const LightPosition& position) {
+    std::vector<MapView> views;
+    for (const LightView& view : position.views) {
+        MapView& told = views.emplace_back();
+        told.perspective = view.perspective;
+        told.face = position.cube ? int(view.face) : -1;
+        for (int i = 0; i < 2; ++i) {
+            const double half = 1 / view.lc_from_ls[i][i];
+            told.corner[i] = half * (view.perspective ? view.lc_from_ls[2][i] : -view.lc_from_ls[3][i]) - half;
+            told.texel_size[i] = 2 * half / view.size_texels;
+        }
+        told.view_from_world = view.ls_from_ws;
+    }
+    return views;
+}
+
 std::size_t region_pixels(const PixelRect& region) { return std::size_t(region.width) * std::size_t(region.height); }
 
 /// Calls body(region pixel, frame pixel) for the region's pixels.
@@ -75,6 +92,7 @@ private:
     LightCache lights_;
     StageRecord frame_record_;
     std::vector<StageRecord> records_;
+    std::vector<std::vector<MapView>> views_;
     std::vector<std::unique_ptr<LayerSum>> sums_;
     std::optional<ClayPicture> clay_;
     FrameResult result_;
@@ -88,6 +106,7 @@ FrameResult RenderRun::run() {
     result_.coverage = {region.width, region.height, 1, std::vector<float>(region_pixels(region), 0.0f)};
     if (request_.combined) clay_.emplace(region.width, region.height);
     sums_.resize(resolved_.jobs.size());
+    views_.resize(resolved_.jobs.size());
     for (const Batch& batch : cut_batches()) {
         for (std::size_t sample = 0; sample < offsets_.size(); ++sample) run_sample(batch, sample);
         lights_.clear();
@@ -167,6 +186,7 @@ void RenderRun::fill_layer(std::size_t job, SampleFrames& frames, LayerSum& sum,
     const bool is_last_use = sample + 1 == offsets_.size() &&
                              (job + 1 == resolved_.jobs.size() || resolved_.jobs[job + 1].light != resolved.light);
     const auto positions = lights_.get(resolved.light, resolved.needs, is_last_use);
+    if (sample == 0) views_[job] = describe_views(positions->front());
     sum.begin_sample(frame);
     const auto has_views = [](const LightPosition& position) { return !position.views.empty(); };
     const bool is_seen = resolved.needs.map_size == 0 || std::any_of(positions->begin(), positions->end(), has_views);
@@ -199,6 +219,7 @@ void RenderRun::deliver(std::size_t job, LayerSum& sum) {
     layer.job = std::uint32_t(job);
     layer.parameters = resolved_.jobs[job].parameters;
     layer.channels = sum.take();
+    layer.views = std::move(views_[job]);
     layer.stats = records_[job].stats();
     outlet_.deliver(std::move(layer));
     engine_.check_cancelled();

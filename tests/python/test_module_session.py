@@ -57,6 +57,33 @@ def test_layers_are_pictures_of_the_shadow(core, session):
     assert all(isinstance(count, int) for count in layer.counters.values())
 
 
+@pytest.mark.parametrize("kind", ["SUN", "SPOT", "POINT", "AREA"])
+def test_views_tell_where_a_point_lies_in_the_map(core, session, kind):
+    """sm asks one texel: on the flat ground all pixels of a texel are equal, and the shadow's edges lie between."""
+    scene = small_scene.make_scene(core, lights=0)
+    turn = np.array([[0.8, 0.6, 0, 0], [-0.6, 0.8, 0, 0], [0, 0, 1, 0], [0, 0, 0, 1]])
+    scene.add_light("light", kind, small_scene.looking_down(6.0) @ turn, spot_angle=1.9)
+    options = {"width": 200, "height": 200, "aux": ["position"]}
+    result = session.render(scene, small_scene.make_camera(core), [(0, "sm", {"map_size": 32})], **options)
+    (layer,) = result.layers
+    points = np.ones((200 * 200, 4))
+    points[:, :3] = result.aux["position"].reshape(-1, 3) + np.array(result.camera_position)
+    assert sum(view["face"] < 0 for view in layer.views) == (1 if kind in ("SUN", "SPOT") else 0)
+    assert [view["perspective"] for view in layer.views] == [kind != "SUN"] * len(layer.views)
+    visibility, seen = layer.channels["visibility"].ravel(), np.zeros(len(points), int)
+    for view in layer.views:
+        x, y, z, _ = (points @ view["view_from_world"].T).T
+        in_face = (view["face"] < 0) | ((-z > np.abs(x) + 1e-6) & (-z > np.abs(y) + 1e-6))
+        across = np.stack([x, y], axis=1) / (-z[:, None] if view["perspective"] else 1)
+        place = (across - view["corner"]) / view["texel_size"]
+        certain = in_face & (np.abs(place - np.round(place)).min(axis=1) > 1e-3)
+        texel = np.floor(place).astype(int) @ (1, 1000)
+        shadow, lit = (set(texel[certain & (visibility == value)]) for value in (0, 1))
+        assert shadow.isdisjoint(lit)
+        seen += in_face
+    assert seen.max() == 1 and seen.mean() > 0.98 and 0.02 < (visibility == 0).mean() < 0.4
+
+
 def test_row_zero_is_at_the_bottom_and_the_region_is_cut_out(core, session):
     scene, camera = small_scene.make_scene(core), small_scene.make_camera(core)
     jobs = [(0, "sm", {"map_size": 256})]

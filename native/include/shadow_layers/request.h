@@ -62,10 +62,21 @@ struct RenderStats {
     double total_ms = 0;  ///< wall time of this layer, or of the frame
 };
 
+/// A shadow map's view, as far as it tells where a point lies in the map. A point (x, y, z) of its light space, which
+/// looks along -Z, lies at (x, y) / -z of the map's plane, or (x, y) if it isn't perspective.
+struct MapView {
+    bool perspective = true;
+    int face = -1;                    ///< cube face 0..5 (+X -X +Y -Y +Z -Z of the light's axes); -1: the only view
+    glm::dvec2 corner{0.0};           ///< of the map's first texel (its border included), in that plane
+    glm::dvec2 texel_size{0.0};       ///< in that plane
+    glm::dmat4 view_from_world{1.0};  ///< rigid: world to the view's light space
+};
+
 struct Layer {
     std::uint32_t job = 0;                  ///< index into RenderRequest::jobs
     ParameterValues parameters;             ///< resolved: every parameter with its value
     std::map<std::string, Image> channels;  ///< by OutputSpec::id; "visibility" always; size of the region
+    std::vector<MapView> views;             ///< of the first sample, from the light's first position; empty: no maps
     RenderStats stats;
 };
 
