@@ -25,6 +25,9 @@ struct DistanceTransformOptions {
     int bound_px = std::numeric_limits<int>::max();
 };
 
+/// InputError, naming sides or bound, unless a transform of that size can be made.
+void check_transform(int width, int height, const DistanceTransformOptions& options);
+
 /// On the CPU. `mask` and `nearest` hold width * height pixels, row 0 first. InputError for a side outside
 /// [1, kLargestTransformSide], spans of another size, or a negative bound.
 void find_nearest_sites(std::span<const std::uint8_t> mask, int width, int height,
@@ -38,20 +41,21 @@ public:
     enum class Method : std::uint8_t { CPU, GL };
 
     /// `mask_tx`: GL_R8UI or GL_R8, any rectangle. The result is GL_R32UI of the same size, valid until the next run.
-    /// Stage "distance_transform".
+    /// Stage "distance_transform". InputError for a mask of another format, else as check_transform.
     const gl::Texture& run(Engine& engine, const gl::Texture& mask_tx, const DistanceTransformOptions& options = {});
 
     /// The same by a given method; for tests and the benchmark.
     const gl::Texture& run_by(Engine& engine, Method method, const gl::Texture& mask_tx,
                               const DistanceTransformOptions& options = {});
 
-    /// Which method run() takes; measured at the first call.
+    /// Which method run() takes; measured at the first call (stage "distance_transform_choice").
     Method fastest_method(Engine& engine);
 
 private:
-    void prepare_target(Engine& engine, const gl::Texture& mask_tx);
-    void run_on_cpu(Engine& engine, const gl::Texture& mask_tx, const DistanceTransformOptions& options);
-    void run_on_gl(Engine& engine, const gl::Texture& mask_tx, const DistanceTransformOptions& options);
+    void transform(Engine& engine, Method method, const gl::Texture& mask_tx, const DistanceTransformOptions& options);
+    void transform_on_cpu(Engine& engine, const gl::Texture& mask_tx, const DistanceTransformOptions& options);
+    void transform_on_gl(Engine& engine, const gl::Texture& mask_tx, int bound_px);
+    void find_column_sites(Engine& engine, const gl::Texture& mask_tx, int band_rows, int band_count, int bound_px);
     double time_method(Engine& engine, Method method, const gl::Texture& mask_tx);
 
     std::optional<Method> fastest_;

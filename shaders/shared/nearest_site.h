@@ -11,6 +11,7 @@ using uint = std::uint32_t;
 
 const uint kNoSite = 0xFFFFFFFFu;  // the picture has no site, or none within the bound
 const int kLargestTransformSide = 16384;
+const int kFarthestTransformDistance = 32767;  // more than the diagonal; its square fits an int
 
 #ifdef __cplusplus
 }  // namespace shadow_layers
