@@ -167,6 +167,10 @@ TEST(NearestSites, RefuseSizesAndBoundsThatCannotBe) {
 
 class DistanceTransformTest : public EngineTest {
 protected:
+    void TearDown() override {
+        transform_ = DistanceTransform();  // GL objects must not outlive their engine
+        EngineTest::TearDown();
+    }
     gl::Texture upload(const Mask& mask, GLenum format = GL_R8UI) {
         gl::Texture mask_tx(engine().device(), {format, mask.width, mask.height}, "mask");
         mask_tx.upload(mask.pixels.data());
