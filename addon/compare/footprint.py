@@ -11,6 +11,7 @@ receiver, and the receiver's foreshortening in the picture.
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -83,23 +84,32 @@ def compute_texel_gradients(
     return gradients
 
 
-def compute_largest_stretch(
-    pixel_tangent: NDArray[np.float64], texel_tangent: NDArray[np.float64]
-) -> NDArray[np.float64]:
-    """Larger singular value of A inv(B) for stacks (n, 2, 2); infinity where B is singular (light along the face)."""
+def compute_texel_steps(pixel_tangent: NDArray[np.float64], texel_tangent: NDArray[np.float64]) -> NDArray[np.float64]:
+    """M = A inv(B), d(pixel)/d(texel), for stacks (n, 2, 2); infinity where B is singular (light along the face)."""
     a, b = pixel_tangent, texel_tangent
     det_b = b[:, 0, 0] * b[:, 1, 1] - b[:, 0, 1] * b[:, 1, 0]
+    steps = np.empty(a.shape)
     # A adj(B), divided by det(B) at the very end.
-    m00 = a[:, 0, 0] * b[:, 1, 1] - a[:, 0, 1] * b[:, 1, 0]
-    m01 = a[:, 0, 1] * b[:, 0, 0] - a[:, 0, 0] * b[:, 0, 1]
-    m10 = a[:, 1, 0] * b[:, 1, 1] - a[:, 1, 1] * b[:, 1, 0]
-    m11 = a[:, 1, 1] * b[:, 0, 0] - a[:, 1, 0] * b[:, 0, 1]
-    square_sum = m00**2 + m01**2 + m10**2 + m11**2
-    det_m = m00 * m11 - m01 * m10
-    root = np.sqrt(np.maximum(square_sum**2 - 4.0 * det_m**2, 0.0))
+    steps[:, 0, 0] = a[:, 0, 0] * b[:, 1, 1] - a[:, 0, 1] * b[:, 1, 0]
+    steps[:, 0, 1] = a[:, 0, 1] * b[:, 0, 0] - a[:, 0, 0] * b[:, 0, 1]
+    steps[:, 1, 0] = a[:, 1, 0] * b[:, 1, 1] - a[:, 1, 1] * b[:, 1, 0]
+    steps[:, 1, 1] = a[:, 1, 1] * b[:, 0, 0] - a[:, 1, 0] * b[:, 0, 1]
     with np.errstate(divide="ignore", invalid="ignore"):
-        stretch = np.sqrt(0.5 * (square_sum + root)) / np.abs(det_b)
-    return np.where(det_b == 0.0, np.inf, stretch)
+        steps /= det_b[:, None, None]
+    steps[det_b == 0.0] = np.inf
+    return steps
+
+
+def compute_singular_values(matrices: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Larger and smaller singular value of a stack (n, 2, 2): (n,) each; infinity where an entry is infinite."""
+    m = matrices
+    with np.errstate(invalid="ignore"):
+        # With p, q the lengths of the parts that turn and that mirror: p + q and |p - q|.
+        turning = np.hypot(m[:, 0, 0] + m[:, 1, 1], m[:, 1, 0] - m[:, 0, 1])
+        mirroring = np.hypot(m[:, 0, 0] - m[:, 1, 1], m[:, 1, 0] + m[:, 0, 1])
+        larger, smaller = 0.5 * (turning + mirroring), 0.5 * np.abs(turning - mirroring)
+    infinite = ~np.isfinite(m).all(axis=(1, 2))
+    return np.where(infinite, np.inf, larger), np.where(infinite, np.inf, smaller)
 
 
 def compute_sun_extent(points_rel: NDArray[np.floating], origin_ws: NDArray[np.float64], light: Any) -> float:
@@ -111,7 +121,38 @@ def compute_sun_extent(points_rel: NDArray[np.floating], origin_ws: NDArray[np.f
     return float(np.ptp(points_ls[:, :2], axis=0).max())
 
 
-def compute_texel_footprint_px(
+def compute_view_gradients(points_ls: NDArray[np.float64], view: Mapping[str, Any]) -> NDArray[np.float64]:
+    """As `compute_texel_gradients`, by the core's own words on a map's view: "perspective" and "texel_size" (x, y) in
+    the plane (x, y) / -z, or (x, y) where it isn't perspective."""
+    gradients = np.zeros((len(points_ls), 2, 3))
+    depth = np.maximum(-points_ls[:, 2], 1e-300) if view["perspective"] else np.ones(len(points_ls))
+    for axis, size in enumerate(view["texel_size"]):
+        gradients[:, axis, axis] = 1.0 / (depth * size)
+        if view["perspective"]:
+            gradients[:, axis, 2] = points_ls[:, axis] / (depth**2 * size)
+    return gradients
+
+
+def compute_texel_tangents(
+    points_rel: NDArray[np.floating],
+    tangents_ws: NDArray[np.float64],
+    origin_ws: NDArray[np.float64],
+    views: Sequence[Mapping[str, Any]],
+) -> NDArray[np.float64]:
+    """B, d(texel)/d(tangents): (n, 2, 2). `tangents_ws` (n, 3, 2); `views` as the core tells them of a layer, with
+    "view_from_world" (4, 4); of a cube's faces each point takes the one that it lies deepest in."""
+    matrices = [np.asarray(view["view_from_world"], dtype=np.float64) for view in views]
+    points_rel = np.asarray(points_rel, dtype=np.float64)
+    points = [points_rel @ matrix[:3, :3].T + (matrix[:3, :3] @ origin_ws + matrix[:3, 3]) for matrix in matrices]
+    chosen = np.argmax(np.stack([-point[:, 2] for point in points]), axis=0)
+    result = np.empty((len(points_rel), 2, 2))
+    for index, (view, matrix, point) in enumerate(zip(views, matrices, points, strict=True)):
+        mine = chosen == index
+        result[mine] = compute_view_gradients(point[mine], view) @ (matrix[:3, :3] @ tangents_ws[mine])
+    return result
+
+
+def compute_texel_matrices(
     points_rel: NDArray[np.floating],
     normals: NDArray[np.floating],
     origin_ws: NDArray[np.float64],
@@ -122,22 +163,33 @@ def compute_texel_footprint_px(
     light: Any,
     map_size: int,
     sun_extent: float = 0.0,
+    views: Sequence[Mapping[str, Any]] = (),
 ) -> NDArray[np.float64]:
-    """Pixels that one texel of the light's map covers at each receiver, along the direction it is longest in: (n,).
+    """M = d(pixel)/d(texel) at each receiver: (n, 2, 2), pixels x to the right and y up.
 
     `points_rel` (n, 3) world axes relative to `origin_ws` (the camera's position); `normals` (n, 3) unit; `camera` and
-    `light` as in the snapshot; `width`, `height` of the full picture; `sun_extent` by `compute_sun_extent`.
+    `light` as in the snapshot; `width`, `height` of the full picture. `views`: the map's own, by which M is exact;
+    without them the map is taken as large as the light, or as `sun_extent` by `compute_sun_extent`, would need it.
     """
     origin_ws = np.asarray(origin_ws, dtype=np.float64)
     camera_matrix = np.asarray(camera.world_from_camera, dtype=np.float64)
+    pixel = compute_pixel_gradients(compute_view_positions(points_rel, origin_ws, camera_matrix), camera, width, height)
+    tangents_ws = np.stack(compute_tangents(normals), axis=2)  # (n, 3, 2)
+    pixel_tangent = pixel @ (camera_matrix[:3, :3].T @ tangents_ws)
+    if views:
+        return compute_texel_steps(pixel_tangent, compute_texel_tangents(points_rel, tangents_ws, origin_ws, views))
     light_matrix = np.array(light.world_from_light, dtype=np.float64)
     if light.kind == "POINT":  # its cube lies along the world's axes, however the light is turned
         light_matrix[:3, :3] = np.eye(3)
-    pixel = compute_pixel_gradients(compute_view_positions(points_rel, origin_ws, camera_matrix), camera, width, height)
     texel = compute_texel_gradients(
         compute_view_positions(points_rel, origin_ws, light_matrix), light, map_size, sun_extent
     )
-    tangents_ws = np.stack(compute_tangents(normals), axis=2)  # (n, 3, 2)
-    pixel_tangent = pixel @ (camera_matrix[:3, :3].T @ tangents_ws)
-    texel_tangent = texel @ (light_matrix[:3, :3].T @ tangents_ws)
-    return compute_largest_stretch(pixel_tangent, texel_tangent)
+    return compute_texel_steps(pixel_tangent, texel @ (light_matrix[:3, :3].T @ tangents_ws))
+
+
+def compute_texel_footprint_px(
+    points_rel: NDArray[np.floating], normals: NDArray[np.floating], origin_ws: NDArray[np.float64], **view: Any
+) -> NDArray[np.float64]:
+    """Pixels that one texel of the light's map covers at each receiver, along the direction it is longest in: (n,).
+    What else is given as to `compute_texel_matrices`."""
+    return compute_singular_values(compute_texel_matrices(points_rel, normals, origin_ws, **view))[0]

@@ -3,7 +3,7 @@
 """How far a shadow layer is from the truth. Each measure is defined here once; docs/measures.md explains.
 
 All measures run over the comparable pixels: both renderers see the same face there and it is turned to the light.
-With s the layer (0..1, 1 = lit), t the truth (0 or 1) and "wrong" meaning (s >= 0.5) != (t >= 0.5):
+With s the layer (0..1, 1 = lit), t the truth (0..1, hard ones 0 or 1) and "wrong" meaning (s >= 0.5) != (t >= 0.5):
 """
 
 from __future__ import annotations
@@ -14,7 +14,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from .border import BORDER_VALUES, BorderMeasures, TexelFunction, measure_border
 from .distance import compute_nearest_distance
+from .true_border import TrueBorder
 
 LIT_THRESHOLD = 0.5
 # "Far" from the true border: more than this many pixels and more than this many of the map's texels.
@@ -28,8 +30,9 @@ class MeasureInfo:
 
     id: str
     label: str
-    unit: str  # "fraction" of the comparable pixels, "visibility" (0..1), "px"
+    unit: str  # "fraction" of the comparable pixels (of the border: "length"), "visibility" (0..1), "px", "texels"
     help: str
+    is_detail: bool = False  # shown beside the pictures, not in the summary
 
 
 MEASURES = (
@@ -45,6 +48,24 @@ MEASURES = (
     ),
     MeasureInfo("acne_fraction", "Acne", "fraction", "shadow more than 2 px and 2 texels from any true shadow"),
     MeasureInfo("leak_fraction", "Leak", "fraction", "light more than 2 px and 2 texels inside a true shadow"),
+    MeasureInfo(
+        "border_bias_px",
+        "Shift (px)",
+        "px",
+        "mean distance of the layer's border from the true one; positive: light",
+        True,
+    ),
+    MeasureInfo(
+        "border_bias_texels", "Shift", "texels", "how many texels of the map the border is off; positive: light"
+    ),
+    MeasureInfo(
+        "unbiased_error_px", "Unbiased", "px", "wrong area per length of border, once it is moved by the shift"
+    ),
+    MeasureInfo("staircase_px", "Staircase", "px", "RMS distance of the border from the true one moved by the shift"),
+    MeasureInfo("staircase_texels", "Staircase (texels)", "texels", "the same in texels of the map, across the border"),
+    MeasureInfo(
+        "unpaired_fraction", "Unpaired", "length", "share of the true border with none of the layer's near", True
+    ),
 )
 
 WRONG_SHADOW, WRONG_LIGHT, ACNE, LEAK = 1, 2, 3, 4
@@ -56,11 +77,13 @@ FootprintFunction = Callable[[NDArray[np.integer], NDArray[np.integer]], NDArray
 @dataclass(frozen=True)
 class LayerMeasures:
     """`values` by measure id (float; None: undefined), `pixel_count` comparable pixels, `faults` (h, w) uint8: 0 right,
-    WRONG_SHADOW, WRONG_LIGHT, ACNE or LEAK."""
+    WRONG_SHADOW, WRONG_LIGHT, ACNE or LEAK. `border`: lengths and counts behind the border's values, if it was given.
+    """
 
     values: dict[str, float | None]
     pixel_count: int
     faults: NDArray[np.uint8]
+    border: BorderMeasures | None = None
 
 
 def compute_border_distance_px(
@@ -74,17 +97,21 @@ def compute_border_distance_px(
 
 def measure_layer(
     visibility: NDArray[np.floating],
-    truth: NDArray[np.bool_],
+    truth: NDArray[np.bool_] | NDArray[np.floating],
     comparable: NDArray[np.bool_],
     *,
     facing_away: NDArray[np.bool_] | None = None,
     footprint_px: FootprintFunction | None = None,
+    border: TrueBorder | None = None,
+    texels: TexelFunction | None = None,
 ) -> LayerMeasures:
     """Measures a layer. All arrays (h, w), rows in the same order.
 
-    `visibility` 0..1; a value that isn't finite counts as wrong and as an error of 1. `truth` True = lit.
+    `visibility` 0..1; a value that isn't finite counts as wrong and as an error of 1. `truth` True = lit, or 0..1.
     `facing_away`: pixels that are dark because they are turned away from the light; a false shadow that hangs on to
     them is no acne. `footprint_px`: pixels covered by a texel, for the measures in texels; None: no map, two pixels.
+    `border`: the true border, for shift and staircase; None: these are undefined. `texels`: how the texels lie in the
+    picture, for these; None: no map.
     """
     if not (visibility.shape == truth.shape == comparable.shape):
         raise ValueError(
@@ -96,11 +123,12 @@ def measure_layer(
     if pixel_count == 0:
         return LayerMeasures({measure.id: None for measure in MEASURES}, 0, faults)
 
+    truth_lit = truth if truth.dtype == bool else truth >= LIT_THRESHOLD
     finite = np.isfinite(visibility)
-    safe = np.where(finite, visibility, np.where(truth, 0.0, 1.0)).astype(np.float64)
-    error = safe[comparable] - truth[comparable]
+    safe = np.where(finite, visibility, np.where(truth_lit, 0.0, 1.0)).astype(np.float64)
+    error = np.where(finite, safe - truth, np.where(truth_lit, -1.0, 1.0))[comparable]
     lit = safe >= LIT_THRESHOLD
-    true_lit, true_shadow = comparable & truth, comparable & ~truth
+    true_lit, true_shadow = comparable & truth_lit, comparable & ~truth_lit
     dark = true_shadow if facing_away is None else true_shadow | facing_away
     distances = []
     for fault, far_fault, wrong, opposite in (
@@ -123,8 +151,12 @@ def measure_layer(
         "p99_border_distance_px": compute_p99(np.concatenate(distances)),
         "acne_fraction": int(counts[ACNE]) / pixel_count,
         "leak_fraction": int(counts[LEAK]) / pixel_count,
+        **dict.fromkeys(BORDER_VALUES),
     }
-    return LayerMeasures(values, pixel_count, faults)
+    if border is None:
+        return LayerMeasures(values, pixel_count, faults)
+    found = measure_border(visibility, truth_lit, comparable, border, texels)
+    return LayerMeasures({**values, **found.values}, pixel_count, faults, found)
 
 
 def compute_p99(distances: NDArray[np.float64]) -> float | None:

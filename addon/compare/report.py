@@ -30,6 +30,7 @@ CAUSE_LABELS = {
     "unlit": "not lit by Cycles",
 }
 
+SUMMARY_MEASURES = tuple(info for info in MEASURES if not info.is_detail)
 
 NOTHING = "\N{EN DASH}"
 TIMES = "\N{MULTIPLICATION SIGN}"
@@ -57,13 +58,14 @@ class LightEntry:
 
 
 def format_measure(info: MeasureInfo, value: float | None) -> str:
-    """With its unit: fractions in percent, visibility plain, distances in pixels."""
+    """With its unit: fractions in percent, visibility plain, distances in pixels or texels."""
     if value is None:
         return NOTHING
-    if info.unit == "fraction":
+    if info.unit in ("fraction", "length"):
         return f"{100 * value:.3f} %"
-    if info.unit == "px":
-        return f"{value:.2f} px"
+    if info.unit in ("px", "texels"):
+        sign = "+" if info.id.startswith("border_bias") else ""
+        return f"{value:{sign}.{2 if info.unit == 'px' else 3}f} {info.unit}"
     return f"{value:+.5f}" if info.id == "signed_bias" else f"{value:.5f}"
 
 
@@ -107,9 +109,9 @@ def make_summary(lights: Sequence[LightEntry], has_flip: bool) -> str:
     """One row per light and technique, the best of each light's in bold."""
     several_frames = len({light.frame for light in lights}) > 1
     heads = ["Light", *(["Frame"] if several_frames else []), "Technique"]
-    heads += [info.label for info in MEASURES] + (["FLIP"] if has_flip else []) + ["Layer", "Cycles", "Ratio"]
+    heads += [info.label for info in SUMMARY_MEASURES] + (["FLIP"] if has_flip else []) + ["Layer", "Cycles", "Ratio"]
     helps = {
-        **{info.label: info.help for info in MEASURES},
+        **{info.label: info.help for info in SUMMARY_MEASURES},
         "FLIP": "mean FLIP, 0 to 1",
         "Layer": "time of the layer alone",
         "Cycles": "time of the two renders of the truth",
@@ -127,7 +129,7 @@ def make_summary(lights: Sequence[LightEntry], has_flip: bool) -> str:
             link = f'<a href="#{make_anchor(index, record["technique"])}">{escape(record["technique"])}</a>'
             cells = [escape(light.name), *([str(light.frame)] if several_frames else []), link]
             row = "".join(f'<td class="text">{cell}</td>' for cell in cells)
-            row += "".join(make_measure_cell(info, record["measures"][info.id], top) for info in MEASURES)
+            row += "".join(make_measure_cell(info, record["measures"][info.id], top) for info in SUMMARY_MEASURES)
             if has_flip:
                 flip = record.get("flip")
                 row += f"<td>{NOTHING if flip is None else f'{flip:.4f}'}</td>"

@@ -13,6 +13,7 @@ import pytest
 sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "addon"))
 
 from compare import measures, pixels
+from compare.border import BORDER_VALUES
 from compare.distance import compute_nearest_distance
 from compare.footprint import compute_sun_extent, compute_texel_footprint_px
 
@@ -55,7 +56,8 @@ def test_right_layer_has_no_error():
     truth[:, 4:] = True
     result = measure(truth, truth)
     assert result.pixel_count == 64
-    assert all(value == 0.0 for value in result.values.values())
+    assert all(value == 0.0 for name, value in result.values.items() if name not in BORDER_VALUES)
+    assert all(result.values[name] is None for name in BORDER_VALUES)  # no border is given
     assert not result.faults.any()
 
 
