@@ -139,6 +139,13 @@ def resolve_parameters(technique_id: str, given: Mapping[str, Any]) -> dict[str,
         return dict(core().resolve_parameters(technique_id, dict(given)))
 
 
+def get_truth(technique_id: str, given: Mapping[str, Any]) -> dict[str, Any]:
+    """What a layer with these parameters approximates: "kind" ("hard", "filtered", "soft"), and the side of a filtered
+    truth's square as "footprint_texels" or, if that is 0, "footprint_world"."""
+    with _ErrorsTranslated():
+        return dict(core().get_truth(technique_id, dict(given)))
+
+
 def shader_folder() -> Path:
     """The folder of the shaders: the environment's, the package's or the source tree's."""
     if os.environ.get(ENV_SHADERS):
