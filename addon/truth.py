@@ -2,9 +2,10 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Cycles as ground truth: per light, which pixels' centres the light reaches.
 
-Visibility is the ratio of two renders, with and without shadows, of a white diffuse scene with that one light, made a
-point or a parallel beam: each is 0 or 1 exactly. A third render, of an emission shader that shows the position, says
-which surface Cycles sees. One sample a pixel, through its centre. docs/measures.md holds what was measured for this.
+Visibility is the ratio of two renders, with and without shadows, of a white diffuse scene with that one light. Hard:
+the light is made a point or a parallel beam, and each ratio is 0 or 1 exactly. Soft: it keeps its size, of which many
+samples are taken. A third render, of an emission shader that shows the position, says which surface Cycles sees. All
+samples lie at the pixel's centre. docs/measures.md holds what was measured for this.
 
 Everything is put back when the `with` block ends; the scene must not be edited meanwhile.
 """
@@ -15,7 +16,6 @@ import contextlib
 import os
 import tempfile
 import time
-from dataclasses import dataclass
 
 import bpy
 import numpy as np
@@ -24,44 +24,29 @@ from numpy.typing import NDArray
 from .light_export import object_name
 from .picture import literal_path
 from .scene_guard import SceneGuard
+from .truth_lights import get_shadow_switch, make_hard_light, make_soft_light, set_shadow_switch
 from .truth_materials import (
     HIDDEN_PREFIX,
     find_transparent_objects,
     make_diffuse_material,
     make_position_material,
 )
+from .truth_pictures import (
+    LightTruth,
+    SoftTruth,
+    TruthError,
+    TruthSurface,
+    compute_light_truth,
+    compute_soft_truth,
+    load_pixels,
+)
 
 # Part of every cache key: raise it when what is rendered changes.
 TRUTH_VERSION = 2
 # The smallest that Cycles takes. With a Gaussian of this width samples lie within 0.002 pixels of the centre.
 FILTER_WIDTH_PX = 0.01
-# Any energy gives the same ratio; this one keeps float32 far from its limits between 1e-8 and 1e8 scene units.
-LIGHT_ENERGY = 1000.0
-# A ratio this near to 0 or 1 is that value; others are counted as undecided and compared as what they are nearer to.
-RATIO_TOLERANCE = 1e-3
-
-
-class TruthError(RuntimeError):
-    """Cycles gave no truth; the text names the culprit and the remedy."""
-
-
-@dataclass(frozen=True)
-class TruthSurface:
-    """What Cycles sees through the pixels' centres, row 0 at the bottom."""
-
-    positions_ws: NDArray[np.float32]  # (h, w, 3)
-    covered: NDArray[np.bool_]  # (h, w)
-    time_ms: float
-
-
-@dataclass(frozen=True)
-class LightTruth:
-    """The hard shadow of one light, row 0 at the bottom."""
-
-    visible: NDArray[np.bool_]  # (h, w) the light reaches the point
-    lit: NDArray[np.bool_]  # (h, w) it would, if nothing cast shadows: faces it, is in its cone, linked to it
-    undecided_count: int  # pixels whose ratio is neither 0 nor 1
-    times_ms: dict[str, float]  # "shadows_on", "shadows_off"
+# The soft truth is rendered this many times with different seeds: what they differ by tells its standard error.
+SOFT_RENDERS = 4
 
 
 class CyclesTruth:
@@ -117,21 +102,46 @@ class CyclesTruth:
 
     def render_light(self, name: str) -> LightTruth:
         """The hard shadow of the light object of that name. Raises TruthError."""
-        lights = (thing for thing in bpy.data.objects if thing.type == "LIGHT")
-        light_object = next((thing for thing in lights if object_name(thing) == name), None)
-        if light_object is None:
-            raise TruthError(f'"{name}" is no light object: instanced lights have no truth yet, make them real objects')
+        light_object = find_light_object(name)
         with SceneGuard() as guard:
-            light = self._make_hard_light(guard, light_object)
-            casts_shadow = get_shadow_switch(light)
-            self._darken_lights(guard, light_object)
-            guard.set(light_object, "data", light)
-            guard.set(light_object, "visible_diffuse", True)
-            set_shadow_switch(light, casts_shadow)
-            shadowed, on_ms = self._render(self._diffuse_material)
-            set_shadow_switch(light, False)
-            open_sky, off_ms = self._render(self._diffuse_material)
-        return compute_light_truth(shadowed[..., 0], open_sky[..., 0], {"shadows_on": on_ms, "shadows_off": off_ms})
+            light = make_hard_light(guard, light_object)
+            shadowed, open_sky, times_ms = self._render_pair(guard, light_object, light)
+        return compute_light_truth(shadowed, open_sky, times_ms)
+
+    def render_soft_light(self, name: str, sample_count: int) -> SoftTruth:
+        """The shadow of that light object in its real size. `sample_count` per pixel is rounded up to a multiple of
+        SOFT_RENDERS. Raises TruthError."""
+        light_object = find_light_object(name)
+        cycles = self._scene.cycles
+        pairs, times_ms = [], {"shadows_on": 0.0, "shadows_off": 0.0}
+        with SceneGuard() as guard:
+            light = make_soft_light(guard, light_object)
+            guard.set(light_object, "visible_camera", False)
+            guard.set(cycles, "samples", -(-sample_count // SOFT_RENDERS))
+            first_seed = cycles.seed
+            guard.on_exit(lambda: setattr(cycles, "seed", first_seed))
+            for seed in range(SOFT_RENDERS):
+                cycles.seed = first_seed + seed
+                with SceneGuard() as inner:
+                    *pair, times = self._render_pair(inner, light_object, light)
+                pairs.append(pair)
+                times_ms = {stage: times_ms[stage] + times[stage] for stage in times_ms}
+            samples = cycles.samples * SOFT_RENDERS
+        return compute_soft_truth(np.array(pairs), samples, times_ms)
+
+    def _render_pair(
+        self, guard: SceneGuard, light_object: bpy.types.Object, light: bpy.types.Light
+    ) -> tuple[NDArray[np.float32], NDArray[np.float32], dict[str, float]]:
+        """With and without shadows, (h, w) each, and the times; `light` in place of the object's own."""
+        casts_shadow = get_shadow_switch(light)
+        self._darken_lights(guard, light_object)
+        guard.set(light_object, "data", light)
+        guard.set(light_object, "visible_diffuse", True)
+        shadowed, on_ms = self._render(self._diffuse_material)
+        set_shadow_switch(light, False)
+        open_sky, off_ms = self._render(self._diffuse_material)
+        set_shadow_switch(light, casts_shadow)
+        return shadowed[..., 0], open_sky[..., 0], {"shadows_on": on_ms, "shadows_off": off_ms}
 
     # ---- setting up
 
@@ -227,27 +237,6 @@ class CyclesTruth:
 
     # ---- lights
 
-    def _make_hard_light(self, guard: SceneGuard, light_object: bpy.types.Object) -> bpy.types.Light:
-        """A copy without size, colour, nodes or animation. An area light becomes a point at its centre."""
-        light = guard.made(bpy.data.lights, light_object.data.copy())
-        light.animation_data_clear()
-        if light.type == "AREA":
-            casts_shadow = get_shadow_switch(light)
-            light.type = "POINT"
-            light = bpy.data.lights[light.name]  # a light's Python type follows its kind
-            set_shadow_switch(light, casts_shadow)
-        if light.use_nodes:
-            light.use_nodes = False
-        light.color = (1.0, 1.0, 1.0)
-        light.energy = 1.0 if light.type == "SUN" else LIGHT_ENERGY
-        for name in ("shadow_soft_size", "angle", "spot_blend", "exposure"):
-            if hasattr(light, name):
-                setattr(light, name, 0.0)
-        for name in ("use_temperature", "use_soft_falloff"):
-            if hasattr(light, name):
-                setattr(light, name, False)
-        return light
-
     def _darken_lights(self, guard: SceneGuard, kept: bpy.types.Object | None) -> None:
         """Gives every other light object a light without energy, which Cycles leaves out, instances too."""
         for thing in bpy.data.objects:
@@ -272,42 +261,10 @@ class CyclesTruth:
         return load_pixels(self._path, self._width, self._height), time_ms
 
 
-def load_pixels(path: str, width: int, height: int) -> NDArray[np.float32]:
-    """The four channels of a picture file as they are: (h, w, 4), row 0 at the bottom. Raises TruthError."""
-    image = bpy.data.images.load(path, check_existing=False)
-    try:
-        image.colorspace_settings.name = "Non-Color"
-        if tuple(image.size) != (width, height):
-            raise TruthError(f"Cycles wrote {tuple(image.size)} pixels instead of {(width, height)} to {path}")
-        pixels = np.empty(width * height * 4, dtype=np.float32)
-        image.pixels.foreach_get(pixels)
-    finally:
-        bpy.data.images.remove(image)
-    return pixels.reshape(height, width, 4)
-
-
-def compute_light_truth(
-    shadowed: NDArray[np.float32], open_sky: NDArray[np.float32], times_ms: dict[str, float]
-) -> LightTruth:
-    """Truth from the renders with and without shadows, (h, w) each."""
-    lit = open_sky > 0.0
-    ratio = np.divide(shadowed, open_sky, out=np.zeros_like(shadowed), where=lit)
-    decided = (ratio < RATIO_TOLERANCE) | (np.abs(ratio - 1.0) < RATIO_TOLERANCE)
-    return LightTruth(ratio >= 0.5, lit, int((lit & ~decided).sum()), times_ms)
-
-
-# ---- version differences
-
-
-def get_shadow_switch(light: bpy.types.Light) -> bool:
-    """Whether the light casts shadows. Before 4.2 Cycles had a switch of its own; the layers ask for both."""
-    own = getattr(light, "cycles", None)
-    return bool(light.use_shadow) and bool(getattr(own, "cast_shadow", True))
-
-
-def set_shadow_switch(light: bpy.types.Light, casts_shadow: bool) -> None:
-    """Sets all switches that this version has."""
-    own = getattr(light, "cycles", None)
-    if own is not None and hasattr(own, "cast_shadow"):
-        own.cast_shadow = casts_shadow
-    light.use_shadow = casts_shadow
+def find_light_object(name: str) -> bpy.types.Object:
+    """The light object of that name. Raises TruthError."""
+    lights = (thing for thing in bpy.data.objects if thing.type == "LIGHT")
+    found = next((thing for thing in lights if object_name(thing) == name), None)
+    if found is None:
+        raise TruthError(f'"{name}" is no light object: instanced lights have no truth yet, make them real objects')
+    return found
