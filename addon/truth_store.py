@@ -1,6 +1,7 @@
 # SPDX-FileCopyrightText: 2026 Shadow Layers contributors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Truth from the cache where it is, from Cycles where it isn't. The scene is touched only if Cycles must render."""
+"""Truth from the cache where it is, rendered or computed where it isn't. The scene is touched only if Cycles must
+render."""
 
 from __future__ import annotations
 
@@ -10,10 +11,15 @@ from typing import Any
 
 import bpy
 import numpy as np
+from numpy.typing import NDArray
 
+from .capture import CapturedFrame, CapturedLayer
+from .compare.filtered_truth import Footprint
+from .compare.scene_triangles import SceneTriangles, gather_triangles
 from .snapshot import LightData, SceneSnapshot
-from .truth import TRUTH_VERSION, CyclesTruth, LightTruth, TruthError, TruthSurface
+from .truth import TRUTH_VERSION, CyclesTruth, LightTruth, SoftTruth, TruthError, TruthSurface
 from .truth_cache import TruthCache, compute_key
+from .truth_filtered import FILTERED_VERSION, FilteredTruth, compute_filtered_truth
 
 # What the truth depends on besides the snapshot, which knows neither hair nor volumes.
 TRUTH_KIND = "hard"
@@ -55,6 +61,36 @@ def compute_light_key(scene_key: str, light: LightData) -> str:
     )
 
 
+def compute_soft_key(light_key: str, light: LightData, sample_count: int) -> str:
+    """Content key of a light's soft truth: of the hard one and the light's size."""
+    size = {
+        "SUN": [light.sun_angle],
+        "POINT": [light.radius],
+        "SPOT": [light.radius],
+        "AREA": [*light.area_size, light.area_round],
+    }[light.kind]
+    return compute_key(light_key, {"truth": "soft", "size": [float(value) for value in size], "samples": sample_count})
+
+
+def compute_filtered_key(
+    light_key: str, layer: CapturedLayer, footprint: Footprint, sample_count: int, wanted: NDArray[np.bool_]
+) -> str:
+    """Content key of a filtered truth: of the hard one, the square, and where it is wanted."""
+    return compute_key(
+        light_key,
+        {
+            "truth": "filtered",
+            "version": FILTERED_VERSION,
+            "texels": footprint.texels,
+            "world": footprint.world,
+            "samples": sample_count,
+            "views": [[view["perspective"], view["face"], *view["texel_size"]] for view in layer.views],
+        },
+        *(np.asarray(view["view_from_world"], dtype=np.float64) for view in layer.views),
+        wanted,
+    )
+
+
 class TruthStore:
     """Truth of one frame.
 
@@ -81,6 +117,7 @@ class TruthStore:
         self._scene_key = compute_scene_key(snapshot) if enabled else ""
         self._stack = contextlib.ExitStack()
         self._cycles: CyclesTruth | None = None
+        self._triangles: SceneTriangles | None = None
         self.notes: list[str] = []
 
     def __enter__(self) -> TruthStore:
@@ -103,11 +140,7 @@ class TruthStore:
 
     def get_light(self, light: LightData) -> tuple[LightTruth, bool]:
         """A light's truth, and whether it came from the cache. Raises TruthError."""
-        if any(other.name.startswith(f"{light.name} @") for other in self._snapshot.lights):
-            raise TruthError(
-                f'"{light.name}" is instanced too, and Cycles can not tell it from its instances: '
-                "choose other lights with --lights"
-            )
+        self._check_alone(light)
         key = compute_light_key(self._scene_key, light) if self._cache is not None else ""
         found = self._load(key)
         if found is not None:
@@ -122,6 +155,63 @@ class TruthStore:
             "times_ms": np.array(list(truth.times_ms.values())),
         })  # fmt: skip
         return truth, False
+
+    def get_soft(self, light: LightData, sample_count: int) -> tuple[SoftTruth, bool]:
+        """The truth of a light in its real size, and whether it came from the cache. Raises TruthError."""
+        self._check_alone(light)
+        light_key = compute_light_key(self._scene_key, light) if self._cache is not None else ""
+        key = compute_soft_key(light_key, light, sample_count)
+        found = self._load(key)
+        if found is not None:
+            times = dict(zip(found["stages"].tolist(), found["times_ms"].tolist(), strict=True))
+            truth = SoftTruth(found["visibility"], found["error"], found["lit"], int(found["samples"]), times)
+            return truth, True
+        truth = self._get_cycles().render_soft_light(light.name, sample_count)
+        self._store(key, {
+            "visibility": truth.visibility,
+            "error": truth.error,
+            "lit": truth.lit,
+            "samples": np.int64(truth.samples),
+            "stages": np.array(list(truth.times_ms)),
+            "times_ms": np.array(list(truth.times_ms.values())),
+        })  # fmt: skip
+        return truth, False
+
+    def get_filtered(
+        self,
+        captured: CapturedFrame,
+        layer: CapturedLayer,
+        footprint: Footprint,
+        sample_count: int,
+        wanted: NDArray[np.bool_],
+    ) -> tuple[FilteredTruth, bool]:
+        """The exact mask of the layer's light, averaged over the square in the layer's map, at the pixels `wanted`
+        (h, w); and whether it came from the cache. Raises TruthError."""
+        light = self._snapshot.lights[layer.job.light]
+        light_key = compute_light_key(self._scene_key, light) if self._cache is not None else ""
+        key = compute_filtered_key(light_key, layer, footprint, sample_count, wanted)
+        found = self._load(key)
+        if found is not None:
+            numbers = int(found["samples"]), int(found["sampled_count"]), float(found["time_ms"])
+            return FilteredTruth(found["visibility"], found["error"], *numbers), True
+        if self._triangles is None:
+            self._triangles = gather_triangles(self._snapshot)
+        truth = compute_filtered_truth(captured, self._triangles, layer, footprint, sample_count, wanted=wanted)
+        self._store(key, {
+            "visibility": truth.visibility,
+            "error": truth.error,
+            "samples": np.int64(truth.samples),
+            "sampled_count": np.int64(truth.sampled_count),
+            "time_ms": np.float64(truth.time_ms),
+        })  # fmt: skip
+        return truth, False
+
+    def _check_alone(self, light: LightData) -> None:
+        if any(other.name.startswith(f"{light.name} @") for other in self._snapshot.lights):
+            raise TruthError(
+                f'"{light.name}" is instanced too, and Cycles can not tell it from its instances: '
+                "choose other lights with --lights"
+            )
 
     def _get_cycles(self) -> CyclesTruth:
         if self._cycles is None:

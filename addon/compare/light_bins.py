@@ -16,6 +16,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from .footprint import compute_tangents
+
 # What lies nearer to the light than this part of the farthest receiver's distance isn't found.
 NEAREST_PART = 1e-7
 # Bounds of the memory: cells in each direction, and entries in all of them together.
@@ -49,6 +51,24 @@ class View:
     def get_depth(self, rays: NDArray[np.float64]) -> NDArray[np.float64]:
         """By which a ray's x and y are divided to find its place in the map."""
         return -rays[..., 2] if self.perspective else rays[..., 2]
+
+
+def make_views(kind: str, world_from_light: NDArray[np.float64]) -> list[View]:
+    """Views that see all that a light can reach, for squares that don't lie in a map: a sun's, or six faces of a cube.
+    `kind`, `world_from_light` as in the snapshot."""
+    matrix = np.asarray(world_from_light, dtype=np.float64)
+    z = matrix[:3, 2] / np.linalg.norm(matrix[:3, 2])
+    x = compute_tangents(z[None, :])[0][0]
+    turns = [np.stack([x, np.cross(z, x), z])]
+    if kind != "SUN":
+        turns = [np.stack([x, y, np.cross(x, y)]) for x in np.eye(3) for y in np.eye(3) if x @ y == 0]
+    views = []
+    for turn in turns:
+        view_from_world = np.eye(4)
+        view_from_world[:3, :3] = turn
+        view_from_world[:3, 3] = -turn @ matrix[:3, 3]
+        views.append(View(kind != "SUN", (0.0, 0.0), view_from_world))
+    return views
 
 
 @dataclass(frozen=True)

@@ -14,7 +14,7 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "addon"))
 
 from compare import scene_triangles
 from compare.filtered_truth import Footprint, Receivers, compute_filtered_visibility
-from compare.light_bins import View
+from compare.light_bins import View, make_views
 from compare.sample_points import PixelSamples
 
 ALL_GROUPS = 0xFFFFFFFFFFFFFFFF
@@ -267,6 +267,24 @@ def test_views_of_a_cube_share_the_receivers():
         nearest = np.abs(place).max(axis=1)
         np.testing.assert_array_equal(found.visibility[nearest < 1.79], 0)
         np.testing.assert_array_equal(found.visibility[nearest > 2.21], 1)
+
+
+@pytest.mark.parametrize("kind", ["SUN", "POINT"])
+def test_views_of_a_light_without_maps(kind):
+    """Turned lights: each point is seen by a view, and the square on the ground is as large as in a map's view."""
+    matrix = np.eye(4)
+    matrix[:3, :3] = [[0.8, 0.6, 0], [-0.6, 0.8, 0], [0, 0, 1]]
+    matrix[:3, 3] = 0.2, 0.3, 8.0
+    views = make_views(kind, matrix)
+    assert len(views) == (1 if kind == "SUN" else 6)
+    points, numbers = put_on_ground(np.linspace(-6, 6, 60), np.linspace(-6, 5, 60))
+    snapshot = make_snapshot(GROUND, make_soup(np.random.default_rng(12), 60, 0.5))
+    mine = cast(snapshot, views, points, 0, numbers, world=0.3, samples=256).visibility
+    own = make_view("SPOT" if kind == "POINT" else "SUN", place=(0.2, 0.3))
+    np.testing.assert_allclose(
+        mine, cast(snapshot, [own], points, 0, numbers, world=0.3, samples=256).visibility, atol=0.1
+    )
+    assert 0.2 < mine.mean() < 1
 
 
 def test_no_square_is_the_point_itself():
