@@ -2,30 +2,15 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "lights/light_shape.h"
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
+
+#include "lights/sample_pattern.h"
 
 namespace shadow_layers {
 
 namespace {
-
-/// Point i of the additive sequence of the plastic number, in [0, 1)^2: even at any count.
-glm::dvec2 get_even_point(int i) {
-    constexpr double kPlastic = 1.32471795724474602596;
-    const glm::dvec2 point = (i + 1.0) * glm::dvec2(1 / kPlastic, 1 / (kPlastic * kPlastic)) + 0.5;
-    return glm::fract(point);
-}
-
-glm::dvec2 map_to_disc(const glm::dvec2& square) {
-    const double radius = std::sqrt(square.x), angle = 2 * std::numbers::pi * square.y;
-    return radius * glm::dvec2(std::cos(angle), std::sin(angle));
-}
-
-glm::dvec3 map_to_sphere(const glm::dvec2& square) {
-    const double z = 2 * square.x - 1, angle = 2 * std::numbers::pi * square.y;
-    const double radius = std::sqrt(std::max(0.0, 1 - z * z));
-    return {radius * std::cos(angle), radius * std::sin(angle), z};
-}
 
 LightPosition make_centre(const Light& light) {
     LightPosition centre;
@@ -47,12 +32,20 @@ LightPosition make_centre(const Light& light) {
     return centre;
 }
 
-void move_to_sample(const Light& light, const glm::dvec2& square, LightPosition& position) {
+/// Even in solid angle about `axis`: the cosine is even between that of half the sun's angle and 1.
+glm::dvec3 turn_to_sample(const glm::dmat3& axes, double sun_angle, const glm::dvec2& disc) {
+    const double half_angle = 0.5 * std::clamp(sun_angle, 0.0, std::numbers::pi), sine = std::sin(0.5 * half_angle);
+    const double share = glm::dot(disc, disc), fall = share * 2 * sine * sine;  // 1 - cosine, also where it is tiny
+    if (!(fall > 0)) return axes[2];
+    const glm::dvec2 across = disc * std::sqrt(fall * (2 - fall) / share);
+    return glm::normalize((1 - fall) * axes[2] + across.x * axes[0] + across.y * axes[1]);
+}
+
+void move_to_sample(const Light& light, const SamplePattern& pattern, int i, LightPosition& position) {
     const glm::dmat3 axes = compute_light_axes(light.world_from_light);
     switch (light.kind) {
         case LightKind::Sun: {
-            const glm::dvec2 disc = std::tan(0.5 * std::min(light.sun_angle, 3.0)) * map_to_disc(square);
-            position.to_light_ws = glm::normalize(axes[2] + disc.x * axes[0] + disc.y * axes[1]);
+            position.to_light_ws = turn_to_sample(axes, light.sun_angle, pattern.get_in_disc(i));
             glm::dmat4 turned(axes);
             turned[2] = glm::dvec4(position.to_light_ws, 0);
             position.axes_ws = compute_light_axes(turned);
@@ -60,10 +53,10 @@ void move_to_sample(const Light& light, const glm::dvec2& square, LightPosition&
         }
         case LightKind::Spot:
         case LightKind::Point:
-            position.position_ws += light.radius * (axes * map_to_sphere(square));
+            position.position_ws += light.radius * (axes * pattern.get_in_ball(i));
             break;
         case LightKind::Area: {
-            const glm::dvec2 place = light.area_round ? 0.5 * map_to_disc(square) : square - 0.5;
+            const glm::dvec2 place = light.area_round ? 0.5 * pattern.get_in_disc(i) : pattern.get_in_square(i) - 0.5;
             position.position_ws += place.x * light.area_size.x * axes[0] + place.y * light.area_size.y * axes[1];
             break;
         }
@@ -79,10 +72,11 @@ glm::dmat3 compute_light_axes(const glm::dmat4& matrix) {
     return {x, glm::cross(z, x), z};
 }
 
-std::vector<LightPosition> sample_light_shape(const Light& light, int position_count) {
+std::vector<LightPosition> sample_light_shape(const Light& light, int position_count, LightPattern pattern) {
     std::vector<LightPosition> positions(std::size_t(std::max(1, position_count)), make_centre(light));
+    const SamplePattern points(pattern, position_count);
     if (positions.size() > 1)
-        for (std::size_t i = 0; i < positions.size(); ++i) move_to_sample(light, get_even_point(int(i)), positions[i]);
+        for (std::size_t i = 0; i < positions.size(); ++i) move_to_sample(light, points, int(i), positions[i]);
     return positions;
 }
 

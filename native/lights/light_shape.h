@@ -5,12 +5,21 @@
 #include <vector>
 
 #include "lights/light_views.h"
+#include "shadow_layers/technique_descriptor.h"
 
 namespace shadow_layers {
 
-/// The points (sun: directions) that stand for a light, without views. One: its centre. More: spread evenly and the
-/// same way each time over the sphere of a point or spot light, the face of an area light, the disc of the sun.
-std::vector<LightPosition> sample_light_shape(const Light& light, int position_count);
+/// The points (sun: directions) that stand for a light, without views; the same ones each time. One: its centre. More:
+/// equal shares of the light as Cycles emits it.
+///
+/// - Area: even over the rectangle or ellipse.
+/// - Sun: even in solid angle over the cone of its angle.
+/// - Point and spot: Cycles has a disc turned to the receiver, or a sphere (its soft falloff switched off), which from
+///   outside is a disc of even brightness as well. One set of points must do for all receivers, so it fills the ball
+///   with a density that looks like an even disc from every side; that of a sphere's surface would look brighter
+///   towards the rim, that of an even ball towards the middle.
+std::vector<LightPosition> sample_light_shape(const Light& light, int position_count,
+                                              LightPattern pattern = LightPattern::Sequence);
 
 /// Right-handed and orthonormal, z as in `matrix`; a mirrored or slightly skewed light keeps its direction.
 glm::dmat3 compute_light_axes(const glm::dmat4& matrix);

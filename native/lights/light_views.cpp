@@ -6,6 +6,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "base/cancel_token.h"
 #include "base/hash.h"
 #include "base/thread_pool.h"
 #include "lights/light_shape.h"
@@ -275,11 +276,18 @@ bool is_same_place(const LightPosition& a, const LightPosition& b) {
 }  // namespace
 
 std::vector<LightPosition> make_light_positions(const Frame& frame, const Light& light, const ViewSettings& settings,
-                                                const std::vector<LightPosition>* previous, ThreadPool* threads) {
-    std::vector<LightPosition> positions = sample_light_shape(light, settings.position_count);
+                                                const std::vector<LightPosition>* previous, ThreadPool* threads,
+                                                const CancelToken* cancel) {
+    std::vector<LightPosition> positions = sample_light_shape(light, settings.position_count, settings.pattern);
     if (settings.map_size <= 0) return positions;
     const ViewMaker maker(frame, light, settings, threads);
     for (std::size_t i = 0; i < positions.size(); ++i) {
+        if (cancel) cancel->check();
+        // A light without size has one view, however many positions are asked of it.
+        if (i > 0 && is_same_place(positions[i], positions[i - 1])) {
+            positions[i] = positions[i - 1];
+            continue;
+        }
         const bool known = previous && i < previous->size() && is_same_place(positions[i], (*previous)[i]);
         maker.add_views(positions[i], known ? &(*previous)[i] : nullptr);
     }

@@ -7,9 +7,11 @@
 
 #include "frame/frame.h"
 #include "shadow_layers/scene.h"
+#include "shadow_layers/technique_descriptor.h"
 
 namespace shadow_layers {
 
+class CancelToken;
 class ThreadPool;
 
 /// One map's worth of a light position: a cube face, a spot's cone, a sun's rectangle (later: a cascade).
@@ -48,14 +50,15 @@ struct ViewSettings {
     int map_size = 1024;
     int border_texels = 0;
     int position_count = 1;
+    LightPattern pattern = LightPattern::Sequence;
 };
 
 /// The positions of a light and their views, fitted to the receivers in `frame` that face the light, are in its cone
 /// and in its receiver set, and to the casters that can reach them. `previous` (may be null), made for another sample
 /// of the same pixels, is kept where it still covers the receivers, so that jittered samples share their maps.
-/// `threads` (may be null: one thread) does not change the result.
+/// `threads` (may be null: one thread) does not change the result. `cancel` (may be null) is asked between positions.
 std::vector<LightPosition> make_light_positions(const Frame& frame, const Light& light, const ViewSettings& settings,
                                                 const std::vector<LightPosition>* previous = nullptr,
-                                                ThreadPool* threads = nullptr);
+                                                ThreadPool* threads = nullptr, const CancelToken* cancel = nullptr);
 
 }  // namespace shadow_layers

@@ -11,14 +11,15 @@ void LightCache::begin_sample(const Frame& frame) {
 
 std::shared_ptr<const std::vector<LightPosition>> LightCache::get(std::uint32_t light, const TechniqueNeeds& needs,
                                                                   bool is_last_use) {
-    const Key key{light, needs.map_size, needs.map_border_texels, needs.light_positions};
+    const Key key{light, needs.map_size, needs.map_border_texels, needs.light_positions, needs.light_pattern};
     Entry& entry = entries_[key];
     if (entry.sample != sample_) {
         const auto timer = engine_.time_stage("light_views");
-        const ViewSettings settings{needs.map_size, needs.map_border_texels, needs.light_positions};
-        entry.positions = std::make_shared<const std::vector<LightPosition>>(
-            make_light_positions(*frame_, frame_->scene->lights[light], settings,
-                                 entry.positions ? entry.positions.get() : nullptr, &engine_.threads()));
+        const ViewSettings settings{needs.map_size, needs.map_border_texels, needs.light_positions,
+                                    needs.light_pattern};
+        entry.positions = std::make_shared<const std::vector<LightPosition>>(make_light_positions(
+            *frame_, frame_->scene->lights[light], settings, entry.positions ? entry.positions.get() : nullptr,
+            &engine_.threads(), &engine_.cancel_token()));
         entry.sample = sample_;
     }
     const auto positions = entry.positions;

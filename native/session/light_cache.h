@@ -28,6 +28,7 @@ private:
     struct Key {
         std::uint32_t light;
         int map_size, border_texels, position_count;
+        LightPattern pattern;
         auto operator<=>(const Key&) const = default;
     };
     struct Entry {

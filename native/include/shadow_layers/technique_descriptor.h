@@ -21,12 +21,21 @@ struct OutputSpec {
     std::string help;
 };
 
+/// How positions are spread over a light's shape.
+enum class LightPattern : std::uint8_t {
+    Sequence,  ///< additive sequence: even at any count
+    Spiral,    ///< a lattice made for the count: sunflower on discs
+    Grid,      ///< middles of cells of equal area
+    Random,    ///< independent points, the same each time
+};
+
 /// What a technique needs around it, as a function of its parameters.
 struct TechniqueNeeds {
     int map_size = 0;           ///< texels per side of each view's map, without border; 0: no views are made
     int map_border_texels = 0;  ///< extra texels on each side of each view, for kernels that reach over its rim
     int overscan_px = 0;        ///< extra frame pixels on each side of the region (camera-space stages)
     int light_positions = 1;    ///< positions sampled on the light's shape; 1 = its centre
+    LightPattern light_pattern = LightPattern::Sequence;
 };
 
 /// Which exact picture a technique's layer stands for.

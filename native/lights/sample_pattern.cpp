@@ -1,0 +1,102 @@
+// SPDX-FileCopyrightText: 2026 Shadow Layers contributors
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "lights/sample_pattern.h"
+
+#include <cmath>
+#include <cstdint>
+#include <numbers>
+
+namespace shadow_layers {
+namespace {
+
+constexpr double kTurn = 2 * std::numbers::pi;
+
+// Roots of x^(d + 1) = x + 1: their inverse powers make the additive sequence of least discrepancy known in d
+// dimensions.
+constexpr double kRootOfPlane = 1.32471795724474602596;
+constexpr double kRootOfSpace = 1.22074408460575947536;
+
+// Irrational numbers that turn one coordinate of a lattice against another.
+constexpr double kGolden = std::numbers::phi;
+// [Alexa22] gives this pair for spirals over the sphere of four dimensions.
+constexpr double kFirstSpiral = std::numbers::sqrt2, kSecondSpiral = 1.533751168755204288118041;
+
+double hash_to_unit(int i, int dimension) {
+    std::uint64_t bits = (std::uint64_t(i) * 3 + std::uint64_t(dimension) + 1) * 0x9E3779B97F4A7C15u;
+    bits = (bits ^ (bits >> 30)) * 0xBF58476D1CE4E5B9u;
+    bits = (bits ^ (bits >> 27)) * 0x94D049BB133111EBu;
+    return double((bits ^ (bits >> 31)) >> 11) * 0x1p-53;
+}
+
+/// Even over the unit disc, by area and angle; rows of the square become rings.
+glm::dvec2 map_to_rings(const glm::dvec2& square) {
+    const double radius = std::sqrt(square.x), angle = kTurn * square.y;
+    return radius * glm::dvec2(std::cos(angle), std::sin(angle));
+}
+
+/// [Shirley97] Even over the unit disc; squares about the middle become circles, so that cells stay compact.
+glm::dvec2 map_concentric(const glm::dvec2& square) {
+    const glm::dvec2 p = 2.0 * square - 1.0;
+    if (p.x == 0 && p.y == 0) return p;
+    const bool steep = std::abs(p.y) > std::abs(p.x);
+    const double radius = steep ? p.y : p.x;
+    const double angle = steep ? 0.25 * kTurn - kTurn / 8 * (p.x / p.y) : kTurn / 8 * (p.y / p.x);
+    return radius * glm::dvec2(std::cos(angle), std::sin(angle));
+}
+
+}  // namespace
+
+/// Middle of cell i, where the square is cut into rows of cells that all have the same area, whatever their number.
+glm::dvec2 SamplePattern::get_in_cell(int i) const {
+    const int rows = std::max(1, int(std::lround(std::sqrt(double(count_)))));
+    const auto row_begin = [&](int row) { return int(std::int64_t(row) * count_ / rows); };
+    int row = int(std::int64_t(i) * rows / count_);
+    while (row + 1 < rows && i >= row_begin(row + 1)) ++row;
+    while (row > 0 && i < row_begin(row)) --row;
+    const int begin = row_begin(row), end = row_begin(row + 1);
+    return {(i - begin + 0.5) / (end - begin), 0.5 * (begin + end) / count_};
+}
+
+glm::dvec2 SamplePattern::get_in_square(int i) const {
+    switch (pattern_) {
+        case LightPattern::Spiral:
+            return {(i + 0.5) / count_, glm::fract(i / kGolden)};
+        case LightPattern::Grid:
+            return get_in_cell(i);
+        case LightPattern::Random:
+            return {hash_to_unit(i, 0), hash_to_unit(i, 1)};
+        case LightPattern::Sequence:
+            break;
+    }
+    return glm::fract((i + 1.0) / glm::dvec2(kRootOfPlane, kRootOfPlane * kRootOfPlane) + 0.5);
+}
+
+glm::dvec3 SamplePattern::get_in_cube(int i) const {
+    switch (pattern_) {
+        case LightPattern::Spiral:
+            return {(i + 0.5) / count_, glm::fract((i + 0.5) / kFirstSpiral), glm::fract((i + 0.5) / kSecondSpiral)};
+        case LightPattern::Grid:
+            return {get_in_cell(i), glm::fract((i + 0.5) / kGolden)};
+        case LightPattern::Random:
+            return {hash_to_unit(i, 0), hash_to_unit(i, 1), hash_to_unit(i, 2)};
+        case LightPattern::Sequence:
+            break;
+    }
+    const double step = 1 / kRootOfSpace;
+    return glm::fract((i + 1.0) * glm::dvec3(step, step * step, step * step * step) + 0.5);
+}
+
+glm::dvec2 SamplePattern::get_in_disc(int i) const {
+    const glm::dvec2 square = get_in_square(i);
+    return pattern_ == LightPattern::Spiral ? map_to_rings(square) : map_concentric(square);
+}
+
+/// An even distribution over the sphere of four dimensions loses one coordinate to become this ball, and a second one
+/// to become the even disc. [Shoemake92] maps a cube to that sphere.
+glm::dvec3 SamplePattern::get_in_ball(int i) const {
+    const glm::dvec3 cube = get_in_cube(i);
+    const glm::dvec2 disc = map_to_rings({cube.x, cube.y});
+    return {disc, std::sqrt(1 - cube.x) * std::cos(kTurn * cube.z)};
+}
+
+}  // namespace shadow_layers
