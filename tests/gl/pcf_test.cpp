@@ -28,6 +28,27 @@ TEST_F(PCFTest, OneTapEqualsTheStandardShadowMapExactly) {
     }
 }
 
+TEST_F(PCFTest, TheEarlyOutChangesNoBit) {
+    const std::vector<ParameterValues> settings = {
+        parameters({{"kernel", std::int64_t{1}}}),
+        parameters({{"kernel", std::int64_t{2}}}),
+        parameters({{"kernel", std::int64_t{3}}, {"bilinear", true}}),
+        parameters({{"kernel", std::int64_t{7}}}),
+        parameters({{"kernel", std::int64_t{6}}, {"radius", 6.3}, {"bilinear", true}}),
+        parameters({{"kernel", std::int64_t{10}}}),
+    };
+    unsigned seed = 20;
+    for (const LightKind kind : {LightKind::Sun, LightKind::Spot, LightKind::Point, LightKind::Area})
+        for (ParameterValues given : settings) {
+            SceneView view = random_scene(++seed, 160, 90);
+            view.scene->lights = {make_light(kind, {1.2 - 0.1 * seed, 2.6, 4.6}, {0, 0, 0.4}, 70)};
+            given.set("map_size", std::int64_t{seed % 2 ? 301 : 96});
+            const auto early = runner_.render(view, "pcf", given).visibility();
+            given.set("early_out", false);
+            EXPECT_EQ(early, runner_.render(view, "pcf", given).visibility()) << seed;
+        }
+}
+
 /// A half-plane caster over a ground plane under a sun from above: visibility depends on x alone.
 SceneView half_plane_scene() {
     SceneView view;
@@ -41,7 +62,7 @@ SceneView half_plane_scene() {
 
 TEST_F(PCFTest, TheRampHasTheKernelsWidth) {
     const SceneView view = half_plane_scene();
-    for (const int kernel : {3, 5, 9}) {
+    for (const int kernel : {3, 4, 5, 9, 10}) {
         const auto run = runner_.render(
             view, "pcf",
             parameters({{"map_size", std::int64_t{256}}, {"kernel", std::int64_t{kernel}}, {"bilinear", true}}));

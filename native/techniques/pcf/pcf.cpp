@@ -2,13 +2,15 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Percentage-closer filtering: the mean of k x k depth tests.
 // Based on: W. T. Reeves, D. H. Salesin, R. L. Cook, Rendering antialiased shadows with depth maps, SIGGRAPH 1987.
-// Differences: a regular grid of taps; every tap is compared in the receiver's own plane (docs/techniques/pcf.md).
+// Differences: a regular grid of taps; every tap is compared in the receiver's own plane; pixels whose taps all agree
+// for sure are told by a range map, without taps (docs/techniques/pcf.md).
 // Fails: the border's width follows the map's texels, not the light's size; wide kernels smear contacts.
 #include "techniques/pcf/pcf.h"
 
 #include <cmath>
 
 #include "stages/depth_map.h"
+#include "stages/depth_range_map.h"
 #include "stages/resolve.h"
 #include "techniques/common_parameters.h"
 #include "techniques/parameter_builder.h"
@@ -27,20 +29,31 @@ double kernel_reach(const ParameterValues& values) {
     return 0.5 * double(values.get_int("kernel") - 1) * tap_spacing(values);
 }
 
+/// How far a tap's texels lie from the receiver's own.
+int window_reach(const ParameterValues& values) {
+    return int(std::ceil(kernel_reach(values) + (values.get_bool("bilinear") ? 0.5 : 0.0)));
+}
+
 class PCF final : public Technique {
 public:
     void prepare(Engine& engine, const ParameterValues& parameters) override {
         program_ = &engine.program("frame/fullscreen.vert", "techniques/pcf/pcf.frag",
                                    {{"KERNEL", std::to_string(parameters.get_int("kernel"))},
-                                    {"BILINEAR", parameters.get_bool("bilinear") ? "1" : "0"}});
+                                    {"BILINEAR", parameters.get_bool("bilinear") ? "1" : "0"},
+                                    {"EARLY_OUT", parameters.get_bool("early_out") ? "1" : "0"}});
     }
 
     void render(Engine& engine, const LightTask& task, LayerOutputs& outputs) override {
         const LightPosition& position = task.positions.front();
         const double kernel = double(task.parameters.get_int("kernel"));
         const auto map = render_depth_map(engine, *task.frame.scene, position);
+        const int reach = window_reach(task.parameters);
+        const auto ranges =
+            task.parameters.get_bool("early_out") ? render_depth_range_map(engine, *map, reach) : nullptr;
         const auto bind = [&] {
             map->texture->bind(kDepthMapUnit);
+            if (ranges) ranges->bind();
+            program_->set("u_reach_texels", float(reach));
             program_->set("u_spacing_texels", float(tap_spacing(task.parameters)));
         };
         outputs.set(
@@ -63,7 +76,6 @@ std::vector<ParameterSpec> pcf_parameters() {
         map_size_parameter(),
         int_parameter("kernel", "Kernel", 3)
             .range(1, 31)
-            .step(2)
             .unit("taps")
             .help("Depth tests per side of the square kernel; 1 is the standard shadow map"),
         float_parameter("radius", "Radius", 0)
@@ -72,6 +84,10 @@ std::vector<ParameterSpec> pcf_parameters() {
             .help("Distance from the middle to the outermost taps; 0 sets the taps one texel apart"),
         bool_parameter("bilinear", "Bilinear", false)
             .help("Weigh the four texels round each tap, which makes the border's steps a ramp"),
+        bool_parameter("early_out", "Early Out", true)
+            .help(
+                "Skip the taps of pixels whose depth tests all agree for sure; off: test each tap of each pixel, which "
+                "gives the same picture"),
     };
 }
 
@@ -93,7 +109,7 @@ TechniqueDescriptor describe_pcf() {
     d.outputs = visibility_output();
     d.lights = all_light_kinds();
     d.limits = "The border's width follows the map's texels, not the light's size";
-    d.needs = [](const ParameterValues& values) { return map_needs(values, int(std::ceil(kernel_reach(values)))); };
+    d.needs = [](const ParameterValues& values) { return map_needs(values, window_reach(values)); };
     d.truth = pcf_truth;
     return d;
 }
