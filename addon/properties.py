@@ -78,7 +78,7 @@ def make_property(parameter: dict[str, Any]) -> Any:
 
 
 def _snap_int(name: str, low: int, step: int):
-    """An update callback that moves the value down to low + k * step (kernel sizes are odd)."""
+    """An update callback that moves the value down to low + k * step (sizes that must be odd, say)."""
 
     def update(group: Any, _context: Any) -> None:
         value = getattr(group, name)

@@ -331,7 +331,7 @@ def assert_fails(done, *texts):
 
 BAD_OPTIONS = [
     (["--lights", "Fill"], ("Fill", "'Key'")),
-    (["--techniques", "pcf", "--set", "pcf.kernel=2"], ("kernel",)),
+    (["--techniques", "pcf", "--set", "pcf.kernel=32"], ("kernel",)),
     (["--techniques", "pcf", "--set", "pcf.kernel=big"], ("kernel", "big")),
     (["--techniques", "pcf", "--set", "pcf.bilinear=maybe"], ("bilinear", "maybe")),
     (["--set", "sm.kernel=3"], ("sm", "kernel", "map_size")),
