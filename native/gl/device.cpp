@@ -85,6 +85,13 @@ Device::Device(LoadFunction load, void* user, bool debug) {
     check("setting up the context");
 }
 
+bool Device::has_extension(std::string_view name) const {
+    const int count = read_int(gl_, GL_NUM_EXTENSIONS);
+    for (int i = 0; i < count; ++i)
+        if (name == reinterpret_cast<const char*>(gl_.GetStringi(GL_EXTENSIONS, GLuint(i)))) return true;
+    return false;
+}
+
 bool Device::software() const {
     for (const char* name : {"llvmpipe", "softpipe", "swrast", "SWR", "Software"})
         if (renderer_.find(name) != std::string::npos) return true;

@@ -35,7 +35,8 @@ public:
     const std::string& version() const { return version_; }
     const std::string& renderer() const { return renderer_; }
     const std::string& vendor() const { return vendor_; }
-    bool software() const;  ///< llvmpipe, softpipe, swrast
+    bool software() const;                            ///< llvmpipe, softpipe, swrast
+    bool has_extension(std::string_view name) const;  ///< "GL_ARB_..."
 
     /// DriverError naming `where` if GL reported an error since the last call.
     void check(std::string_view where) const;

@@ -41,18 +41,18 @@ Framebuffer::~Framebuffer() {
     functions.DeleteFramebuffers(1, &name);
 }
 
-void Framebuffer::attach(GLenum point, std::shared_ptr<const Texture> texture, int layer) {
+void Framebuffer::attach(GLenum point, std::shared_ptr<const Texture> texture, int layer, int level) {
     if (layer < 0)
-        gl().NamedFramebufferTexture(id(), point, texture->id(), 0);
+        gl().NamedFramebufferTexture(id(), point, texture->id(), level);
     else
-        gl().NamedFramebufferTextureLayer(id(), point, texture->id(), 0, layer);
-    width_ = texture->width();
-    height_ = texture->height();
+        gl().NamedFramebufferTextureLayer(id(), point, texture->id(), level, layer);
+    width_ = std::max(1, texture->width() >> level);
+    height_ = std::max(1, texture->height() >> level);
     checked_ = false;
 }
 
-void Framebuffer::attach_color(int index, std::shared_ptr<const Texture> texture, int layer) {
-    attach(GL_COLOR_ATTACHMENT0 + GLenum(index), texture, layer);
+void Framebuffer::attach_color(int index, std::shared_ptr<const Texture> texture, int layer, int level) {
+    attach(GL_COLOR_ATTACHMENT0 + GLenum(index), texture, layer, level);
     if (int(colors_.size()) <= index) colors_.resize(std::size_t(index) + 1);
     colors_[std::size_t(index)] = std::move(texture);
     std::vector<GLenum> points;
@@ -62,7 +62,7 @@ void Framebuffer::attach_color(int index, std::shared_ptr<const Texture> texture
 }
 
 void Framebuffer::attach_depth(std::shared_ptr<const Texture> texture, int layer) {
-    attach(GL_DEPTH_ATTACHMENT, texture, layer);
+    attach(GL_DEPTH_ATTACHMENT, texture, layer, 0);
     depth_ = std::move(texture);
 }
 

@@ -20,7 +20,7 @@ public:
     ~Framebuffer();
 
     /// `layer` < 0: the whole texture (layered for arrays). Color attachments must be set as 0, 1, 2, ...
-    void attach_color(int index, std::shared_ptr<const Texture> texture, int layer = -1);
+    void attach_color(int index, std::shared_ptr<const Texture> texture, int layer = -1, int level = 0);
     void attach_depth(std::shared_ptr<const Texture> texture, int layer = -1);
 
     /// Binds for drawing, all color attachments on, with viewport over the whole. DriverError if incomplete.
@@ -34,7 +34,7 @@ public:
     int height() const { return height_; }
 
 private:
-    void attach(GLenum point, std::shared_ptr<const Texture> texture, int layer);
+    void attach(GLenum point, std::shared_ptr<const Texture> texture, int layer, int level);
     std::vector<std::shared_ptr<const Texture>> colors_;
     std::shared_ptr<const Texture> depth_;
     int width_ = 0, height_ = 0;

@@ -3,7 +3,6 @@
 #include "stages/edge_distance_map.h"
 
 #include <algorithm>
-#include <string_view>
 
 #include "base/hash.h"
 #include "light_params.h"
@@ -15,21 +14,13 @@ namespace {
 constexpr GLenum kFragmentShaderInvocations = 0x82F4;
 constexpr std::size_t kEdgesPerDraw = 1 << 16;  // cancel checks between draws
 
-bool has_extension(const GladGLContext& gl, std::string_view name) {
-    GLint count = 0;
-    gl.GetIntegerv(GL_NUM_EXTENSIONS, &count);
-    for (GLint i = 0; i < count; ++i)
-        if (name == reinterpret_cast<const char*>(gl.GetStringi(GL_EXTENSIONS, GLuint(i)))) return true;
-    return false;
-}
-
 /// Counts shaded fragments while it lives; without the extension, those that pass the depth test.
 class FragmentCounter {
 public:
-    explicit FragmentCounter(const GladGLContext& gl)
-        : gl_(gl),
-          target_(has_extension(gl, "GL_ARB_pipeline_statistics_query") ? kFragmentShaderInvocations
-                                                                        : GL_SAMPLES_PASSED) {
+    explicit FragmentCounter(const gl::Device& device)
+        : gl_(device.gl()),
+          target_(device.has_extension("GL_ARB_pipeline_statistics_query") ? kFragmentShaderInvocations
+                                                                           : GL_SAMPLES_PASSED) {
         gl_.GenQueries(1, &query_);
         gl_.BeginQuery(target_, query_);
     }
@@ -88,7 +79,7 @@ std::shared_ptr<const EdgeDistanceMap> draw_edge_distance_map(Engine& engine, co
 
     auto made = std::make_shared<EdgeDistanceMap>();
     made->silhouette_edges = found.silhouette_edges;
-    FragmentCounter fragments(engine.gl());
+    FragmentCounter fragments(engine.device());
     for (int layer = 0; layer < depth_tx.layers(); ++layer) {
         gl::Framebuffer target(engine.device(), "edge map layer");
         target.attach_color(0, texture, layer);
