@@ -7,43 +7,30 @@ from __future__ import annotations
 import argparse
 import statistics
 from collections.abc import Sequence
-from dataclasses import dataclass
 from typing import Any
 
 import bpy
 import numpy as np
 
+from .batch_border import BorderSource
 from .batch_done import DoneBefore
 from .batch_files import BatchError, FileNamer, Progress, make_output_folder, write_bytes, write_json
-from .batch_render import describe_frame, describe_layer, get_wanted, make_document, render_frame
+from .batch_measure import LightMeasurer
+from .batch_render import describe_frame, get_wanted, make_document, render_frame
 from .batch_scene import get_frames, get_owners, set_up
+from .batch_truth import LightTruths, choose_kinds
 from .capture import CapturedFrame, CapturedLayer
 from .compare import flip
-from .compare.footprint import compute_sun_extent, compute_texel_footprint_px
-from .compare.measures import MEASURES, LayerMeasures, measure_layer
-from .compare.pictures import make_difference_png, make_layer_png, make_truth_png
-from .compare.pixels import PixelClasses, Surface, classify_pixels
-from .compare.report import LightEntry, TechniqueEntry, build_page
+from .compare.measures import MEASURES
+from .compare.pixels import Surface, classify_pixels
+from .compare.report import LightEntry, build_page
 from .compare.table import format_table
 from .scene_guard import SceneGuard
-from .snapshot import LightData
-from .truth import LightTruth
 from .truth_store import TruthStore
 
 COMPARE_SCHEMA, COMPARE_SCHEMA_VERSION = "shadow-layers-comparison", 1
-AUX = ("position", "normal")
+AUX = ("position", "normal", "ids")
 WARM_UP_PX, WARM_UP_MAP_SIZE = 16, 64
-
-
-@dataclass
-class _LightResult:
-    """A light in one frame, compared pixel for pixel but for its layers."""
-
-    light: LightData
-    truth: LightTruth
-    truth_cached: bool
-    classes: PixelClasses
-    sun_extent: float
 
 
 def run_compare(options: argparse.Namespace, progress: Progress) -> None:
@@ -61,7 +48,7 @@ def run_compare(options: argparse.Namespace, progress: Progress) -> None:
     page_path = folder / "index.html"
     frames = get_frames(scene, options)
     if options.skip_existing and page_path.is_file():
-        done_before = DoneBefore(json_path, folder, make_document(COMPARE_SCHEMA, COMPARE_SCHEMA_VERSION, scene))
+        done_before = DoneBefore(json_path, folder, make_head(options, scene))
         wanted = get_wanted(scene, view_layers)
         if all(done_before.find(frame, wanted, "records") for frame in frames):
             progress.say(f"the comparison is there already: {page_path}")
@@ -75,6 +62,15 @@ def run_compare(options: argparse.Namespace, progress: Progress) -> None:
     write_bytes(page_path, comparison.make_page(document).encode())
     progress.say(format_table(document["records"]))
     progress.say(f"{len(document['records'])} layers are compared in {page_path} and {json_path}")
+
+
+def make_head(options: argparse.Namespace, scene: bpy.types.Scene) -> dict[str, Any]:
+    """How comparison.json begins: what two runs must have in common to be one."""
+    return {
+        **make_document(COMPARE_SCHEMA, COMPARE_SCHEMA_VERSION, scene),
+        "truths": options.truth,
+        "truth_samples": options.truth_samples,
+    }
 
 
 class _Comparison:
@@ -91,9 +87,11 @@ class _Comparison:
         self._lights: list[LightEntry] = []
         self._notes: list[str] = []
         self._again_ms: list[float | None] = []
+        self._frame = 0
 
     def add_frame(self, frame: int, label: str) -> None:
         """Renders and measures a frame. Raises BatchError, TruthError."""
+        self._frame = frame
         captured, frame_record = self._render_layers(frame, label)
         by_light: dict[int, list[CapturedLayer]] = {}
         for layer in captured.layers:
@@ -107,6 +105,11 @@ class _Comparison:
             self._scene, self._view_layer, snapshot,
             folder=self._options.cache, enabled=not self._options.no_cache, threads=self._options.threads or 0,
         )  # fmt: skip
+        borders = BorderSource(
+            self._scene, self._view_layer, captured, samples=self._options.border_samples,
+            folder=self._options.cache, enabled=not self._options.no_cache, threads=self._options.threads or 0,
+        )  # fmt: skip
+        masks_ms: dict[str, float] = {}
         with store:
             with self._progress.step(f"{label}: Cycles, what the camera sees"):
                 surface, surface_cached = store.get_surface()
@@ -117,17 +120,24 @@ class _Comparison:
             for index, layers in by_light.items():
                 light = snapshot.lights[index]
                 with self._progress.step(f'{label}: Cycles, the shadow of "{light.name}"'):
-                    truth, cached = store.get_light(light)
-                with self._progress.step(f'{label}: measuring "{light.name}"'):
+                    hard = store.get_light(light)
+                with self._progress.step(f"{label}: comparing what is seen"):
                     classes = classify_pixels(
-                        ours, theirs, captured.aux["normal"], truth.lit,
+                        ours, theirs, captured.aux["normal"], hard[0].lit,
                         camera=snapshot.camera, width=size[0], height=size[1], light=light,
                     )  # fmt: skip
-                    seen = captured.aux["position"][ours.covered]
-                    extent = compute_sun_extent(seen, origin, light) if light.kind == "SUN" else 0.0
-                    result = _LightResult(light, truth, cached, classes, extent)
-                    self._add_light(captured, result, layers)
-        masks_ms = {r["light"]: r["truth_ms"]["total"] for r in self._records if r["frame"] == frame}
+                truths = LightTruths(store, captured, hard, classes, sample_count=self._options.truth_samples)
+                measurer = LightMeasurer(
+                    captured, hard, classes, borders, light=index,
+                    write_picture=self._write_picture, again_ms=self._again_ms,
+                )  # fmt: skip
+                self._measure_light(f'{label}: "{light.name}"', layers, truths, measurer)
+                masks_ms[light.name] = sum(hard[0].times_ms.values())
+                if hard[0].undecided_count:
+                    self._note(
+                        f"{light.name}: {hard[0].undecided_count} pixels of the hard truth are neither lit nor in "
+                        "shadow (transparent or unsupported geometry); each counts as what it is nearer to."
+                    )
         frame_record["truth_ms"] = round(sum(masks_ms.values()), 4)
         self._frames.append(frame_record)
         self._progress.say(
@@ -135,7 +145,7 @@ class _Comparison:
             f"lights: {len(masks_ms)}; Cycles' masks of these lights {frame_record['truth_ms']:.0f} ms, "
             f"{frame_record['truth_ms'] / frame_record['render_ms']:.1f} times as long"
         )
-        self._note(*captured.warnings, *store.notes)
+        self._note(*captured.warnings, *store.notes, *borders.notes)
 
     def _render_layers(self, frame: int, label: str) -> tuple[CapturedFrame, dict[str, Any]]:
         """The layers of a frame. Times are those of the first render: as in an animation, programs and meshes are
@@ -170,68 +180,22 @@ class _Comparison:
             with self._progress.step("warming up"):
                 render_frame(self._scene, frame)
 
-    def _add_light(self, captured: CapturedFrame, result: _LightResult, layers: Sequence[CapturedLayer]) -> None:
-        ending = f"_{captured.frame:04d}" if self._options.frames is not None else ""
-        name = result.light.name
-        truth_png = make_truth_png(result.truth.visible, result.classes)
-        truth_path = self._write_picture(truth_png, ending, name, "truth")
-        entry = LightEntry(name, result.light.kind, captured.frame, truth_png)
+    def _measure_light(
+        self, label: str, layers: Sequence[CapturedLayer], truths: LightTruths, measurer: LightMeasurer
+    ) -> None:
+        """Each layer against each truth that is wanted of it."""
         for layer in layers:
-            measures = self._measure(captured, result, layer)
-            layer_png = make_layer_png(layer.channels["visibility"])
-            difference_png = make_difference_png(result.truth.visible, result.classes, measures.faults)
-            record = {
-                **describe_layer(layer, result.light.kind, captured.frame, captured.view_layer),
-                "again_ms": self._again_ms[captured.layers.index(layer)],
-                "measures": measures.values,
-                "flip": flip.compute_mean_flip(
-                    layer.channels["visibility"], result.truth.visible, result.classes.comparable
-                ),
-                "pixel_count": measures.pixel_count,
-                "excluded": result.classes.count_excluded(),
-                "truth_undecided": result.truth.undecided_count,
-                "truth_ms": {stage: round(value, 4) for stage, value in sum_up(result.truth.times_ms).items()},
-                "truth_cached": result.truth_cached,
-                "layer_picture": self._write_picture(layer_png, ending, name, layer.technique, "layer"),
-                "truth_picture": truth_path,
-                "difference_picture": self._write_picture(difference_png, ending, name, layer.technique, "difference"),
-            }
-            self._records.append(record)
-            entry.techniques.append(TechniqueEntry(record, layer_png, difference_png))
-        self._lights.append(entry)
-        if result.truth.undecided_count:
-            self._note(
-                f"{name}: {result.truth.undecided_count} pixels of the truth are neither lit nor in shadow "
-                "(transparent or unsupported geometry); each counts as what it is nearer to."
-            )
+            for kind in choose_kinds(self._options.truth, layer):
+                with self._progress.step(f"{label}, the {kind} truth of {layer.technique}"):
+                    truth = truths.get(layer, kind)
+                with self._progress.step(f"{label}, measuring {layer.technique}"):
+                    measurer.measure(layer, truth)
+        self._records += measurer.records
+        self._lights += measurer.entries
 
-    def _measure(self, captured: CapturedFrame, result: _LightResult, layer: CapturedLayer) -> LayerMeasures:
-        snapshot = captured.snapshot
-        map_size = layer.parameters.get("map_size")
-
-        def compute_footprint(rows: np.ndarray, columns: np.ndarray) -> np.ndarray:
-            return compute_texel_footprint_px(
-                captured.aux["position"][rows, columns],
-                captured.aux["normal"][rows, columns],
-                np.asarray(captured.camera_position, dtype=np.float64),
-                camera=snapshot.camera,
-                width=snapshot.render.width,
-                height=snapshot.render.height,
-                light=result.light,
-                map_size=int(map_size),
-                sun_extent=result.sun_extent,
-            )
-
-        return measure_layer(
-            layer.channels["visibility"],
-            result.truth.visible,
-            result.classes.comparable,
-            facing_away=result.classes.facing_away,
-            footprint_px=compute_footprint if map_size else None,
-        )
-
-    def _write_picture(self, png: bytes, ending: str, *parts: str) -> str:
+    def _write_picture(self, png: bytes, *parts: str) -> str:
         """Under a name that `render` gives to none of its pictures, so that both may write into one folder."""
+        ending = f"_{self._frame:04d}" if self._options.frames is not None else ""
         path = self._options.out / (self._namer.make_name(*parts) + ending + ".png")
         write_bytes(path, png)
         return path.name
@@ -244,7 +208,7 @@ class _Comparison:
         if not flip.is_flip_available():
             self._note(flip.MISSING_NOTE)
         return {
-            **make_document(COMPARE_SCHEMA, COMPARE_SCHEMA_VERSION, self._scene),
+            **make_head(self._options, self._scene),
             "view_layer": self._view_layer.name,
             "measures": {info.id: {"unit": info.unit, "meaning": info.help} for info in MEASURES},
             "frames": self._frames,
@@ -271,8 +235,3 @@ class _Comparison:
             self._lights,
             self._notes,
         )
-
-
-def sum_up(times_ms: dict[str, float]) -> dict[str, float]:
-    """With "total": what Cycles needs for one light's mask."""
-    return {**times_ms, "total": sum(times_ms.values())}

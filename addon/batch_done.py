@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Any
 
 # What the whole list must have in common with the one that this run would write.
-HEAD_FIELDS = ("schema", "schema_version", "file", "scene", "camera")
+HEAD_FIELDS = ("schema", "schema_version", "file", "scene", "camera", "truths", "truth_samples")
 FILE_FIELDS = ("file", "picture", "layer_picture", "truth_picture", "difference_picture")
 
 
@@ -48,7 +48,7 @@ class DoneBefore:
             document = json.loads(json_path.read_text(encoding="utf-8"))
         except (OSError, ValueError):
             return
-        if isinstance(document, dict) and all(document.get(name) == head[name] for name in HEAD_FIELDS):
+        if isinstance(document, dict) and all(document.get(name) == head.get(name) for name in HEAD_FIELDS):
             self._document = document
 
     def find(self, frame: int, wanted: Wanted, layer_list: str) -> tuple[list[Any], list[Any]] | None:

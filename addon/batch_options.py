@@ -34,6 +34,8 @@ VERBS = {
     "info": "tell versions, GL renderer, techniques with their parameters, and limits",
 }
 
+TRUTHS = ("named", "hard", "filtered", "soft")
+
 
 class _Parser(argparse.ArgumentParser):
     """Says mistakes in one line, with the way to the help."""
@@ -64,6 +66,14 @@ def parse_techniques(text: str) -> list[str]:
     names = [name.strip() for name in text.split(",") if name.strip()]
     if not names:
         raise argparse.ArgumentTypeError("no technique is named: write their ids with commas, as sm,edsm")
+    return list(dict.fromkeys(names))
+
+
+def parse_truths(text: str) -> list[str]:
+    names = [name.strip() for name in text.split(",") if name.strip()]
+    unknown = [name for name in names if name not in TRUTHS]
+    if unknown or not names:
+        raise argparse.ArgumentTypeError(f'"{text}" is no truth: write {", ".join(TRUTHS)}, or several with commas')
     return list(dict.fromkeys(names))
 
 
@@ -113,6 +123,12 @@ def make_parser() -> argparse.ArgumentParser:
     add("--backend", choices=("auto", "osmesa", "egl"), help="where the maps are drawn (default: as set in the file)")
     add("--repeat", metavar="N", type=parse_count(1, 1000), default=1,
         help="compare: render N times; the later ones' median, with maps cached, is told too")  # fmt: skip
+    add("--border-samples", metavar="N", type=parse_count(1, 16), default=3,
+        help="compare: the truth's samples across a pixel, for shift and staircase (default 3)")  # fmt: skip
+    add("--truth", metavar="KIND,KIND", type=parse_truths, default=["named"],
+        help="compare: named (what each technique stands for; default), hard, filtered, soft")  # fmt: skip
+    add("--truth-samples", metavar="N", type=parse_count(4, 65536), default=64,
+        help="compare: samples per pixel of filtered and soft truths (default 64)")  # fmt: skip
     add = parser.add_argument_group("where to").add_argument
     add("--out", metavar="DIR", type=Path, default=Path("shadow_layers"), help="folder (default: shadow_layers)")
     add("--json", metavar="FILE", type=Path, help="the list of results (default: render.json, comparison.json in DIR)")

@@ -14,6 +14,7 @@ from .measures import MEASURES, MeasureInfo
 from .page_assets import SCRIPT, STYLE
 from .pictures import DIFFERENCE_COLORS
 from .pixels import EXCLUSION_CAUSES
+from .value_pictures import ERROR_COLORS
 
 # Shares of the compared pixels below which a number is shown as good, and above which as bad. For the eye only.
 GOOD_FRACTIONS = {
@@ -48,13 +49,15 @@ class TechniqueEntry:
 
 @dataclass
 class LightEntry:
-    """One light in one frame: its truth and the techniques' layers."""
+    """One light in one frame: its truth and the techniques' layers. `truth`: which one; `truth_label` tells more."""
 
     name: str
     kind: str
     frame: int
     truth_png: bytes
     techniques: list[TechniqueEntry] = field(default_factory=list)
+    truth: str = "hard"
+    truth_label: str = "hard: Cycles, the light without size"
 
 
 def format_measure(info: MeasureInfo, value: float | None) -> str:
@@ -94,10 +97,9 @@ def make_figure(png: bytes, title: str, caption: str) -> str:
     return f"<figure><figcaption><b>{escape(title)}</b> {escape(caption)}</figcaption>{image}</figure>"
 
 
-def make_legend() -> str:
-    items = "".join(
-        f'<li><i style="background:rgb{color}"></i>{escape(label)}</li>' for color, label in DIFFERENCE_COLORS
-    )
+def make_legend(truth: str) -> str:
+    colors = DIFFERENCE_COLORS if truth == "hard" else ERROR_COLORS
+    items = "".join(f'<li><i style="background:rgb{color}"></i>{escape(label)}</li>' for color, label in colors)
     return f'<ul class="legend">{items}</ul>'
 
 
@@ -108,7 +110,7 @@ def make_anchor(light_index: int, technique: str) -> str:
 def make_summary(lights: Sequence[LightEntry], has_flip: bool) -> str:
     """One row per light and technique, the best of each light's in bold."""
     several_frames = len({light.frame for light in lights}) > 1
-    heads = ["Light", *(["Frame"] if several_frames else []), "Technique"]
+    heads = ["Light", *(["Frame"] if several_frames else []), "Technique", "Truth"]
     heads += [info.label for info in SUMMARY_MEASURES] + (["FLIP"] if has_flip else []) + ["Layer", "Cycles", "Ratio"]
     helps = {
         **{info.label: info.help for info in SUMMARY_MEASURES},
@@ -127,7 +129,7 @@ def make_summary(lights: Sequence[LightEntry], has_flip: bool) -> str:
         for entry in light.techniques:
             record = entry.record
             link = f'<a href="#{make_anchor(index, record["technique"])}">{escape(record["technique"])}</a>'
-            cells = [escape(light.name), *([str(light.frame)] if several_frames else []), link]
+            cells = [escape(light.name), *([str(light.frame)] if several_frames else []), link, light.truth]
             row = "".join(f'<td class="text">{cell}</td>' for cell in cells)
             row += "".join(make_measure_cell(info, record["measures"][info.id], top) for info in SUMMARY_MEASURES)
             if has_flip:
@@ -177,6 +179,7 @@ def make_numbers(record: Mapping[str, Any]) -> str:
     )
     if record.get("flip") is not None:
         measures += f'<tr><th class="text">FLIP</th><td>{record["flip"]:.4f}</td></tr>'
+    measures += make_error_rows(record.get("truth"))
     stages = "<tr><th></th><th>CPU</th><th>GL</th></tr>" + "".join(
         f'<tr><th class="text">{escape(stage)}</th><td>{format_ms(ms["cpu"])}</td><td>{format_ms(ms["gl"])}</td></tr>'
         for stage, ms in record["time_ms"].items()
@@ -195,10 +198,22 @@ def make_numbers(record: Mapping[str, Any]) -> str:
     return f'<div class="numbers">{tables}</div><details><summary>Settings</summary>{settings}</details>'
 
 
+def make_error_rows(truth: Mapping[str, Any] | None) -> str:
+    """The truth's own standard error, where it has one."""
+    if truth is None or not truth["standard_error"]["rms"]:
+        return ""
+    rows = (("Truth's error, RMS", "rms", "no layer's RMSE can fall below it"),
+            ("Truth's error, mean", "bias", "standard error of the bias"))  # fmt: skip
+    return "".join(
+        f'<tr title="{help_text}"><th class="text">{label}</th><td>{truth["standard_error"][name]:.5f}</td></tr>'
+        for label, name, help_text in rows
+    )
+
+
 def make_light_section(index: int, light: LightEntry) -> str:
     """Truth, layer and difference side by side for each technique. The truth is embedded once; the script shows it in
     the other rows."""
-    truth = make_figure(light.truth_png, "truth", "Cycles; grey is not compared")
+    truth = make_figure(light.truth_png, "truth", f"{light.truth_label}; grey is not compared")
     rows = []
     for number, entry in enumerate(light.techniques):
         record = entry.record
@@ -218,7 +233,7 @@ def make_light_section(index: int, light: LightEntry) -> str:
     return (
         f'<section class="card" data-zoom><div class="head"><h2>{escape(light.name)}</h2>'
         f"<span>{escape(light.kind.lower())} light, frame {light.frame}, Cycles mask {truth_ms}{cached}</span></div>"
-        f"{make_legend()}{''.join(rows)}</section>"
+        f"{make_legend(light.truth)}{''.join(rows)}</section>"
     )
 
 

@@ -7,8 +7,21 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-HEADS = ("light", "frame", "technique", "wrong %", "bias", "MAE", "p99 px", "acne %", "leak %", "layer ms", "Cycles ms")
-TEXT_COLUMNS = 3
+HEADS = (
+    "light",
+    "frame",
+    "technique",
+    "truth",
+    "wrong %",
+    "bias",
+    "MAE",
+    "p99 px",
+    "acne %",
+    "leak %",
+    "layer ms",
+    "Cycles ms",
+)
+TEXT_COLUMNS = 4
 
 
 def format_number(value: float | None, digits: int, scale: float = 1.0) -> str:
@@ -24,6 +37,7 @@ def format_table(records: Sequence[Mapping[str, Any]]) -> str:
             record["light"],
             str(record["frame"]),
             record["technique"],
+            record.get("truth", {}).get("kind", "hard"),
             format_number(measures["misclassified_fraction"], 4, 100),
             format_number(measures["signed_bias"], 5),
             format_number(measures["mae"], 5),

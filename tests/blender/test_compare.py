@@ -120,7 +120,7 @@ def test_comparison_holds_every_measure_of_every_layer(compare, module, tmp_path
     assert records["Spot", "sm", 1]["excluded"]["outside_cone"] > 1000
     assert records["Point", "sm", 1]["excluded"]["outside_cone"] == 0
     page = (tmp_path / "o" / "index.html").read_text()
-    assert page.count("data:image/png;base64,") == 4 * (1 + 3 * 2)
+    assert page.count("data:image/png;base64,") == 4 * (2 + 3 * 2)
     assert not re.search(r"https?://", re.sub(r"base64,[^\"]+", "", page))
 
 
