@@ -268,11 +268,6 @@ private:
     ThreadPool* threads_;
 };
 
-bool is_same_place(const LightPosition& a, const LightPosition& b) {
-    return a.directional == b.directional && a.position_ws == b.position_ws && a.to_light_ws == b.to_light_ws &&
-           a.axes_ws == b.axes_ws && a.cone_cos == b.cone_cos;
-}
-
 }  // namespace
 
 std::vector<LightPosition> make_light_positions(const Frame& frame, const Light& light, const ViewSettings& settings,
@@ -284,11 +279,11 @@ std::vector<LightPosition> make_light_positions(const Frame& frame, const Light&
     for (std::size_t i = 0; i < positions.size(); ++i) {
         if (cancel) cancel->check();
         // A light without size has one view, however many positions are asked of it.
-        if (i > 0 && is_same_place(positions[i], positions[i - 1])) {
+        if (i > 0 && positions[i].is_same_place(positions[i - 1])) {
             positions[i] = positions[i - 1];
             continue;
         }
-        const bool known = previous && i < previous->size() && is_same_place(positions[i], (*previous)[i]);
+        const bool known = previous && i < previous->size() && positions[i].is_same_place((*previous)[i]);
         maker.add_views(positions[i], known ? &(*previous)[i] : nullptr);
     }
     return positions;

@@ -43,6 +43,12 @@ struct LightPosition {
     double cone_sin = 0;              ///< sine of the same angle: that of a far, narrow cone is not in its cosine
     bool cube = false;                ///< receivers choose their view by cube face (views[k].face)
     std::vector<LightView> views;     ///< only those with receivers; empty: no receiver faces this light
+
+    /// The same light from the same point, whatever its views.
+    bool is_same_place(const LightPosition& other) const {
+        return directional == other.directional && position_ws == other.position_ws &&
+               to_light_ws == other.to_light_ws && axes_ws == other.axes_ws && cone_cos == other.cone_cos;
+    }
 };
 
 /// What the maker of views needs to know of the technique.
