@@ -4,6 +4,7 @@
 
 #include "shadow_layers/error.h"
 #include "techniques/edsm/edsm.h"
+#include "techniques/multi/multi.h"
 #include "techniques/pcf/pcf.h"
 #include "techniques/probe/probe.h"
 #include "techniques/sm/sm.h"
@@ -17,6 +18,7 @@ const std::vector<TechniqueEntry>& technique_entries() {
         {describe_sm, make_sm},
         {describe_pcf, make_pcf},
         {describe_edsm, make_edsm},
+        {describe_multi, make_multi},
         {describe_probe, make_probe},
     };
     return entries;
