@@ -7,7 +7,10 @@
 #include "techniques/multi/multi.h"
 #include "techniques/pcf/pcf.h"
 #include "techniques/probe/probe.h"
+#include "techniques/rsmss/rsmss.h"
 #include "techniques/sm/sm.h"
+#include "techniques/smsr/smsr.h"
+#include "techniques/smsr2/smsr2.h"
 #include "techniques/technique.h"
 
 namespace shadow_layers {
@@ -18,6 +21,9 @@ const std::vector<TechniqueEntry>& technique_entries() {
         {describe_sm, make_sm},
         {describe_pcf, make_pcf},
         {describe_edsm, make_edsm},
+        {describe_smsr, make_smsr},
+        {describe_smsr2, make_smsr2},
+        {describe_rsmss, make_rsmss},
         {describe_multi, make_multi},
         {describe_probe, make_probe},
     };

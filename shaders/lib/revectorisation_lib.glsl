@@ -19,48 +19,38 @@
 //     rsmss_...visibility(...)                             see revectorisation_smooth_lib.glsl
 // `limit` is the longest walk in texels: a call looks at most limit + 1 texels away from its own (limit + 2 with
 // kHealed). A code without sides needs no call: the visibility is that of the texel. A shader that knows codes without
-// testing (a discontinuity map) defines REVECTORISATION_OWN_LOOK and look_at itself.
+// testing (a discontinuity map) defines REVECTORISATION_OWN_LOOK and then look_at itself, by test_sides where it must.
 
-const uint kLeft = 1u;     // -x; bits of a code: sides where the neighbour's test differs
-const uint kRight = 2u;    // +x
-const uint kTop = 4u;      // -y: the names of [Macedo16]
-const uint kBottom = 8u;   // +y
-const uint kSidesX = 3u;
-const uint kSidesY = 12u;
-const uint kAllSides = 15u;
-const uint kLitTexel = 16u;  // bit: the texel's own test
+#include "lib/discontinuity_code_lib.glsl"
 
 const bool kAsTested = false;
 const bool kHealed = true;  // a texel that all four neighbours contradict takes their side
 
 bool is_texel_lit(ivec2 texel);
 
-#ifndef REVECTORISATION_OWN_LOOK
-// Four loops' worth of tests where only healed ones are asked for.
+// Written as loops throughout: a software rasteriser skips loops without trips, but no branch, and each place that tests
+// a texel is compiled anew.
 bool is_lit(ivec2 texel, bool healed) {
     bool lit = is_texel_lit(texel);
-    if (!healed) return lit;
-    bool alone = is_texel_lit(texel + ivec2(-1, 0)) != lit && is_texel_lit(texel + ivec2(1, 0)) != lit &&
-                 is_texel_lit(texel + ivec2(0, -1)) != lit && is_texel_lit(texel + ivec2(0, 1)) != lit;
+    bool alone = healed;
+    for (uint left = healed ? kAllSides : 0u; left != 0u && alone; left &= left - 1u)
+        alone = is_texel_lit(texel + step_over(lowest(left))) != lit;
     return lit != alone;
 }
 
 // [Macedo16] 3.1: the discontinuities d_u of a texel, of those asked for by `sides`, and its own test.
-uint look_at(ivec2 texel, uint sides, bool healed) {
+uint test_sides(ivec2 texel, uint sides, bool healed) {
     bool lit = is_lit(texel, healed);
     uint code = lit ? kLitTexel : 0u;
-    if ((sides & kLeft) != 0u && is_lit(texel + ivec2(-1, 0), healed) != lit) code |= kLeft;
-    if ((sides & kRight) != 0u && is_lit(texel + ivec2(1, 0), healed) != lit) code |= kRight;
-    if ((sides & kTop) != 0u && is_lit(texel + ivec2(0, -1), healed) != lit) code |= kTop;
-    if ((sides & kBottom) != 0u && is_lit(texel + ivec2(0, 1), healed) != lit) code |= kBottom;
+    for (uint left = sides; left != 0u; left &= left - 1u)
+        if (is_lit(texel + step_over(lowest(left)), healed) != lit) code |= lowest(left);
     return code;
 }
-#else
+#ifdef REVECTORISATION_OWN_LOOK
 uint look_at(ivec2 texel, uint sides, bool healed);
+#else
+uint look_at(ivec2 texel, uint sides, bool healed) { return test_sides(texel, sides, healed); }
 #endif
-
-bool has_all(uint code, uint sides) { return (code & sides) == sides; }
-bool has_any(uint code, uint sides) { return (code & sides) != 0u; }
 
 // How far the sample is from one side of its texel, in texels.
 float side_depth(uint side, vec2 place) {
@@ -69,14 +59,25 @@ float side_depth(uint side, vec2 place) {
     return side == kTop ? place.y : 1.0 - place.y;
 }
 
+bool goes_on(uint code, uint sides, bool lit) { return has_any(code, kLitTexel) == lit && has_any(code, sides); }
+
 // Steps to where a run ends (> 0: the test changes) or begins (< 0: none of its sides goes on). [Macedo16]: alpha.
+// Healing is looked into only where something changes: a texel that is like the one before it, with sides that are like
+// those before them, has neighbours like itself.
 int walk(ivec2 texel, ivec2 along, uint sides, bool lit, bool healed, int limit) {
     int steps = -(limit + 1);
+    uint before = 0u;  // code of the step before; 0, which no walk goes on from: not to be relied upon
     for (int n = 1; n <= limit; ++n) {
-        uint code = look_at(texel + n * along, sides, healed);
-        bool is_end = has_any(code, kLitTexel) != lit;
-        if (is_end || !has_any(code, sides)) {
-            steps = is_end ? n : -n;
+        uint code = look_at(texel + n * along, sides, kAsTested);
+        while (n < limit && goes_on(code, sides, lit) && (!healed || code == before)) {
+            ++n;
+            code = look_at(texel + n * along, sides, kAsTested);
+        }
+        uint seen = code;
+        for (int k = healed ? 0 : 1; k < 1; ++k) seen = look_at(texel + n * along, sides, kHealed);
+        before = seen == code ? code : 0u;
+        if (!goes_on(seen, sides, lit)) {
+            steps = has_any(seen, kLitTexel) != lit ? n : -n;
             break;
         }
     }
@@ -107,20 +108,25 @@ Run make_run(int forward, int backward, float at, int limit) {
 Run follow_run(ivec2 texel, uint sides, bool lit, bool healed, vec2 place, int limit) {
     bool along_x = has_any(sides, kSidesY);
     ivec2 along = along_x ? ivec2(1, 0) : ivec2(0, 1);
-    int reach = sides != 0u ? limit : 0;
-    int forward = walk(texel, along, sides, lit, healed, reach);
-    int backward = walk(texel, -along, sides, lit, healed, reach);
-    return make_run(forward, backward, along_x ? place.x : place.y, max(limit, 1));
+    ivec2 steps = ivec2(-1);
+    for (int k = sides != 0u ? 0 : 2; k < 2; ++k) {
+        int found = walk(texel, k == 0 ? along : -along, sides, lit, healed, limit);
+        steps = k == 0 ? ivec2(found) : ivec2(steps.x, found);
+    }
+    return make_run(steps.x, steps.y, along_x ? place.x : place.y, limit);
 }
 
 // Of a texel with one side on each axis: which runs count? x: the one along x (its side is top or bottom), y: that along
 // y. Looked at one texel away from each discontinuity; if neither goes on, the run along x stands for both.
 bvec2 find_dominant(ivec2 texel, uint sides, bool healed) {
-    ivec2 away_x = ivec2(has_any(sides, kLeft) ? 1 : -1, 0);
-    ivec2 away_y = ivec2(0, has_any(sides, kTop) ? 1 : -1);
-    bool goes_on_x = has_any(look_at(texel + away_x, kSidesY, healed), kSidesY);
-    bool goes_on_y = has_any(look_at(texel + away_y, kSidesX, healed), kSidesX);
-    return bvec2(goes_on_x || !goes_on_y, goes_on_y);
+    uint side_x = sides & kSidesX, side_y = sides & kSidesY;
+    bvec2 on = bvec2(false);
+    for (int k = side_x != 0u && side_y != 0u ? 0 : 2; k < 2; ++k) {
+        uint across = k == 0 ? kSidesY : kSidesX;
+        bool found = has_any(look_at(texel - step_over(k == 0 ? side_x : side_y), across, healed), across);
+        on = k == 0 ? bvec2(found, false) : bvec2(on.x, found);
+    }
+    return bvec2(on.x || !on.y, on.y);
 }
 
 bool is_channel(uint sides) { return has_all(sides, kSidesX) || has_all(sides, kSidesY); }
@@ -130,17 +136,17 @@ bool is_corner(uint sides) { return has_any(sides, kSidesX) && has_any(sides, kS
 float smsr_visibility(uint code, ivec2 texel, vec2 place, int limit) {
     bool lit = has_any(code, kLitTexel);
     uint sides = lit && !is_channel(code) ? code & kAllSides : 0u;
-    uint side_of_x = sides & kSidesY, side_of_y = sides & kSidesX;  // of the runs along x and y
-    uint first = side_of_x != 0u ? side_of_x : side_of_y;
-    uint second = side_of_x != 0u ? side_of_y : 0u;
-    Run first_run = follow_run(texel, first, lit, kAsTested, place, limit);
-    Run second_run = follow_run(texel, second, lit, kAsTested, place, limit);
-    bvec2 counts = bvec2(first != 0u, false);
-    // A loop, because a software rasteriser skips one without trips, but no branch.
-    for (int corner = second != 0u ? 0 : 1; corner < 1; ++corner) counts = find_dominant(texel, sides, kAsTested);
-    bool dark = (counts.x && first_run.done > side_depth(first, place)) ||
-                (counts.y && second_run.done > side_depth(second, place)) ||
-                (second != 0u && (first_run.closed || second_run.closed));
+    uint first = has_any(sides, kSidesY) ? sides & kSidesY : sides;  // the run along x has its side on the y axis
+    uint second = sides & ~first;
+    bvec2 counts = second != 0u ? find_dominant(texel, sides, kAsTested) : bvec2(true, false);
+    bool dark = false;
+    int runs = first == 0u ? 0 : second == 0u ? 1 : 2;
+    for (int k = 0; k < runs; ++k) {
+        uint side = k == 0 ? first : second;
+        Run run = follow_run(texel, side, lit, kAsTested, place, limit);
+        dark = dark || ((k == 0 ? counts.x : counts.y) && run.done > side_depth(side, place)) ||
+               (second != 0u && run.closed);
+    }
     return lit && !is_channel(code) && !dark ? 1.0 : 0.0;
 }
 
@@ -156,12 +162,13 @@ float way_to_end(int forward, int backward, float at, int limit) {
 // Walked until the test changes, or a texel without any side comes.
 vec2 ways_to_ends(ivec2 texel, uint code, vec2 place, int limit) {
     bool lit = has_any(code, kLitTexel);
-    int reach = has_any(code, kAllSides) ? limit : 0;
-    int right = walk(texel, ivec2(1, 0), kAllSides, lit, kAsTested, reach);
-    int left = walk(texel, ivec2(-1, 0), kAllSides, lit, kAsTested, reach);
-    int bottom = walk(texel, ivec2(0, 1), kAllSides, lit, kAsTested, reach);
-    int top = walk(texel, ivec2(0, -1), kAllSides, lit, kAsTested, reach);
-    return vec2(way_to_end(right, left, place.x, limit), way_to_end(bottom, top, place.y, limit));
+    ivec4 steps = ivec4(-1);  // right, left, bottom, top
+    for (int k = has_any(code, kAllSides) ? 0 : 4; k < 4; ++k) {
+        ivec2 along = step_over(k < 2 ? (k == 0 ? kRight : kLeft) : (k == 2 ? kBottom : kTop));
+        int found = walk(texel, along, kAllSides, lit, kAsTested, limit);
+        steps = ivec4(k == 0 ? found : steps.x, k == 1 ? found : steps.y, k == 2 ? found : steps.z, found);
+    }
+    return vec2(way_to_end(steps.x, steps.y, place.x, limit), way_to_end(steps.z, steps.w, place.y, limit));
 }
 
 // The reduced form: one chamfer from end to end, no dominance.
