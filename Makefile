@@ -30,10 +30,10 @@ package: ## Make the extension zip and the zip for Blender before 4.2: out/packa
 	@scripts/build.sh
 	@/usr/bin/python3 scripts/package.py
 
-bench: ## Time the techniques on the test scenes with shadowcore
+bench: ## Times and errors by the papers' tables: out/bench/ (ARGS="--quick", ARGS="TABLE ...")
 	@scripts/setup.sh build bpy45
 	@scripts/build.sh
-	@scripts/bench.sh
+	@/usr/bin/python3 scripts/bench.py $(ARGS)
 
 measure: ## Measure what the README's tables claim (NAMES="accuracy speed ...", all without)
 	@scripts/setup.sh build bpy45 blender test

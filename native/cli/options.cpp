@@ -118,6 +118,10 @@ void convert(const Raw& raw, Options& options) {
         }
         if (options.map_sizes.size() > 1) throw CLI::ValidationError("--map-size", "several sizes are for bench");
     }
+    if (!options.rows.empty() && (!raw.techniques.empty() || !raw.settings.empty() || !raw.map_sizes.empty())) {
+        throw CLI::ValidationError("--rows",
+                                   "names techniques and settings itself: leave --techniques, --set and --map-size");
+    }
     options.mode = raw.mode == "warm" ? BenchMode::Warm : raw.mode == "cold" ? BenchMode::Cold : BenchMode::Frame;
 }
 
@@ -159,6 +163,12 @@ std::optional<int> parse_options(int argc, char** argv, Options& options) {
             "same frame again; cold: a fresh session each time, shaders compiled within the time")
         ->check(CLI::IsMember({"frame", "warm", "cold"}))
         ->type_name("MODE");
+    bench
+        .add_option("--rows", options.rows,
+                    "JSON list of {\"technique\": ID, \"settings\": {P: V}, \"name\": TEXT}, in place of "
+                    "--techniques, --set and --map-size")
+        ->type_name("FILE");
+    bench.add_flag("--errors", options.errors, "measure each row against exact shadows too (rays, by Embree)");
     bench.add_option("--json", options.json, "the records")->type_name("FILE");
     add_session_options(bench, options);
 

@@ -44,6 +44,8 @@ struct Options {
     bool debug = false;
     int repeat = 7, warm_up = 1;
     BenchMode mode = BenchMode::Frame;
+    std::filesystem::path rows;  ///< bench: file of rows, in place of techniques, settings and map sizes
+    bool errors = false;         ///< bench: compare with exact shadows too
 };
 
 /// Parses argv. Prints help, version or what is wrong and returns the exit code instead, where nothing is to be done.

@@ -5,17 +5,19 @@
 #include <array>
 #include <cmath>
 
-#include "base/cancel_token.h"
 #include "base/thread_pool.h"
 #include "lights/facing.h"
 #include "lights/light_shape.h"
 #include "lights/light_views.h"
+#include "shadow_layers/error.h"
 #include "truth/ray_oracle.h"
 
 namespace shadow_layers::truth {
 namespace {
 
 constexpr std::size_t kBlock = 1 << 12;
+constexpr double kSelfPart = 1e-6;  // of the way looked at: parts a surface from the next
+constexpr int kMostOwnHits = 64;
 
 // The plane of the triangle that a pixel sees.
 struct ReceiverPlane {
@@ -25,14 +27,19 @@ struct ReceiverPlane {
 // A square of points in a receiver's plane, addressed by (x, y) in [-1, 1]².
 class Footprint {
 public:
+    explicit Footprint(const ReceiverPlane& plane) : plane_(plane) {}
     virtual ~Footprint() = default;
+    const glm::dvec3& centre() const { return plane_.point_ws; }
     virtual std::optional<glm::dvec3> point_at(double x, double y) const = 0;
+
+protected:
+    ReceiverPlane plane_;
 };
 
 // The square lies in the plane itself, `side` scene units wide.
 class PlaneFootprint final : public Footprint {
 public:
-    PlaneFootprint(const ReceiverPlane& plane, double side) : plane_(plane) {
+    PlaneFootprint(const ReceiverPlane& plane, double side) : Footprint(plane) {
         const glm::dvec3 normal = glm::normalize(plane.normal);
         const glm::dvec3 aside = std::abs(normal.x) < 0.7 ? glm::dvec3(1, 0, 0) : glm::dvec3(0, 1, 0);
         x_ = glm::normalize(glm::cross(normal, aside)) * (0.5 * side);
@@ -41,7 +48,6 @@ public:
     std::optional<glm::dvec3> point_at(double x, double y) const override { return plane_.point_ws + x * x_ + y * y_; }
 
 private:
-    ReceiverPlane plane_;
     glm::dvec3 x_{0.0}, y_{0.0};
 };
 
@@ -54,7 +60,7 @@ struct MapPlane {
 // The square lies in the map: lines of light through it meet the plane. None where they miss it.
 class MapFootprint final : public Footprint {
 public:
-    MapFootprint(const ReceiverPlane& plane, const MapPlane& map, double side_texels) : plane_(plane), map_(map) {
+    MapFootprint(const ReceiverPlane& plane, const MapPlane& map, double side_texels) : Footprint(plane), map_(map) {
         const glm::dvec4 place_lc = map.view->lc_from_ws * glm::dvec4(plane.point_ws, 1);
         centre_ = glm::dvec2(place_lc) / place_lc.w;
         half_ = side_texels / map.view->size_texels;  // clip space is 2 wide, half a side is wanted
@@ -78,7 +84,6 @@ private:
         return glm::dvec3(map_.ws_from_ls * glm::dvec4(glm::dvec3(ls) / ls.w, 1));
     }
 
-    ReceiverPlane plane_;
     const MapPlane& map_;
     glm::dvec2 centre_{0.0};
     double half_ = 0;
@@ -87,15 +92,15 @@ private:
 }  // namespace
 
 struct ExactLayers::Impl {
-    Impl(std::shared_ptr<const Scene> scene, int threads, const CancelToken& cancel_token)
-        : oracle(std::move(scene)), pool(threads), cancel(cancel_token) {}
+    Impl(std::shared_ptr<const Scene> scene, int threads, const std::atomic<bool>& cancelled_flag)
+        : oracle(std::move(scene)), pool(threads), cancelled(cancelled_flag) {}
 
     template <class Decide>
     std::vector<float> decide_pixels(const Light& light, const LightPosition& position, const Decide& decide) {
         const FacingRule rule(frame, light, position);
         std::vector<float> visibility(frame.pixel_count());
         pool.parallel_for(frame.pixel_count(), kBlock, [&](std::size_t begin, std::size_t end) {
-            cancel.check();
+            check_cancelled();
             for (std::size_t pixel = begin; pixel < end; ++pixel) {
                 const Facing facing = rule.classify(pixel);
                 visibility[pixel] =
@@ -119,6 +124,26 @@ struct ExactLayers::Impl {
                 normal};
     }
 
+    // Is a point of the receiver's plane, away from the receiver, in shadow? The receiver's own surface may rise before
+    // its plane there, where it is hollow: nearer to the plane than the point is to the receiver, it is no blocker.
+    bool is_shadowed(const glm::dvec3& point, const glm::dvec3& receiver, const PixelIds& ids, const Light& light,
+                     const LightPosition& position) const {
+        if (!oracle.is_occluded(point, ids, light, position)) return false;
+        const glm::dvec3 to_light = position.directional ? position.to_light_ws : position.position_ws - point;
+        const double rise = glm::length(point - receiver);
+        if (!position.directional && rise >= glm::length(to_light)) return true;
+        const glm::dvec3 unit = glm::normalize(to_light);
+        if (rise == 0 || oracle.is_occluded(point + rise * unit, ids, light, position)) return true;
+        double near = kSelfPart * rise;
+        for (int k = 0; k < kMostOwnHits; ++k) {
+            const auto hit = oracle.find_first(point, unit, near, rise, kInstanceShadow);
+            if (!hit) return false;
+            if (hit->ids.instance != ids.instance) return true;
+            near = hit->distance + kSelfPart * rise;
+        }
+        return true;
+    }
+
     float filter(const Footprint& footprint, std::size_t pixel, const Light& light,
                  const LightPosition& position) const {
         int lit = 0, counted = 0;
@@ -126,7 +151,7 @@ struct ExactLayers::Impl {
             const auto point = footprint.point_at(x, y);
             if (!point) return;
             ++counted;
-            lit += !oracle.is_occluded(*point, frame.ids[pixel], light, position);
+            lit += !is_shadowed(*point, footprint.centre(), frame.ids[pixel], light, position);
         };
         for (const double y : {-1.0, 0.0, 1.0}) {
             for (const double x : {-1.0, 0.0, 1.0}) take(x, y);
@@ -187,18 +212,22 @@ struct ExactLayers::Impl {
         return mean;
     }
 
+    void check_cancelled() const {
+        if (cancelled) throw Cancelled();
+    }
+
     RayOracle oracle;
     mutable ThreadPool pool;
-    const CancelToken& cancel;
+    const std::atomic<bool>& cancelled;
     Frame frame;
 };
 
 ExactLayers::ExactLayers(std::shared_ptr<const Scene> scene, const Camera& camera, int width, int height, int threads,
-                         const CancelToken& cancel)
-    : impl_(std::make_unique<Impl>(std::move(scene), threads, cancel)) {
-    cancel.check();
+                         const std::atomic<bool>& cancelled)
+    : impl_(std::make_unique<Impl>(std::move(scene), threads, cancelled)) {
+    impl_->check_cancelled();
     impl_->frame = impl_->oracle.make_frame(camera, width, height, &impl_->pool);
-    cancel.check();
+    impl_->check_cancelled();
 }
 
 ExactLayers::~ExactLayers() = default;

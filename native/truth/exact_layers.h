@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <atomic>
 #include <cstdint>
 #include <memory>
 #include <vector>
@@ -10,18 +11,15 @@
 #include "shadow_layers/scene.h"
 #include "shadow_layers/technique_descriptor.h"
 
-namespace shadow_layers {
-class CancelToken;
-}
-
 namespace shadow_layers::truth {
 
 /// What the layers of one picture should be, by exact rays: one sample at each pixel's centre, row 0 at the bottom.
 class ExactLayers {
 public:
-    /// Finds what each pixel sees. `threads` <= 0: one per core. Throws Cancelled.
+    /// Finds what each pixel sees. `threads` <= 0: one per core. Throws Cancelled, as `compute`, once `cancelled` is
+    /// true, which may be set by any thread and must outlive this.
     ExactLayers(std::shared_ptr<const Scene> scene, const Camera& camera, int width, int height, int threads,
-                const CancelToken& cancel);
+                const std::atomic<bool>& cancelled);
     ~ExactLayers();
     ExactLayers(const ExactLayers&) = delete;
     ExactLayers& operator=(const ExactLayers&) = delete;
@@ -30,9 +28,10 @@ public:
     /// texels.
     ///
     /// Hard: the mask of the light's centre. Filtered: its mean over a square of points in the plane of the receiver's
-    /// triangle; the square is taken in the map's plane (footprint_texels) or in the receiver's (footprint_world).
-    /// Where the square's corners, sides' middles and centre agree, they are the answer; elsewhere kFilterSide^2 points
-    /// are taken. Soft: the mean over kLightPositions points of the light's shape. Throws Cancelled.
+    /// triangle; the square is taken in the map's plane (footprint_texels) or in the receiver's (footprint_world);
+    /// the receiver's own surface, where it rises before that plane less than it is away, is no blocker. Where the
+    /// square's corners, sides' middles and centre agree, they are the answer; elsewhere kFilterSide^2 points are
+    /// taken. Soft: the mean over kLightPositions points of the light's shape. Throws Cancelled.
     std::vector<float> compute(std::uint32_t light, const TruthSpec& spec, int map_size) const;
 
     /// 1 where the pixel's visibility is decided by what lies between it and the light: its face is turned to the
