@@ -180,6 +180,11 @@ def tube(path: Sequence[Point], radius: float | Sequence[float], sides: int = 8,
         carried = side[k - 1] - tangent[k] * np.dot(side[k - 1], tangent[k])
         side[k] = carried / np.linalg.norm(carried)
     other = np.cross(tangent, side)
+    if closed:  # the frame comes back turned: every ring takes its part of that, so that last and first fit
+        end = side[-1] - tangent[0] * np.dot(side[-1], tangent[0])
+        twist = math.atan2(np.dot(end, other[0]), np.dot(end, side[0])) * np.arange(count) / count
+        cosine, sine = np.cos(twist)[:, None], np.sin(twist)[:, None]
+        side, other = cosine * side - sine * other, cosine * other + sine * side
     turn = np.arange(sides) * (2 * math.pi / sides)
     radii = np.broadcast_to(np.asarray(radius, dtype=np.float64), (count,))[:, None, None]
     rings = path[:, None] + radii * (
