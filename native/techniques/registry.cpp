@@ -4,6 +4,9 @@
 
 #include "shadow_layers/error.h"
 #include "techniques/edsm/edsm.h"
+#include "techniques/esm/esm.h"
+#include "techniques/evsm/evsm.h"
+#include "techniques/msm/msm.h"
 #include "techniques/multi/multi.h"
 #include "techniques/pcf/pcf.h"
 #include "techniques/probe/probe.h"
@@ -12,20 +15,27 @@
 #include "techniques/smsr/smsr.h"
 #include "techniques/smsr2/smsr2.h"
 #include "techniques/technique.h"
+#include "techniques/vsm/vsm.h"
 
 namespace shadow_layers {
 
 const std::vector<TechniqueEntry>& technique_entries() {
     static const std::vector<TechniqueEntry> entries = {
         // One line per technique, in menu order.
+        // clang-format off
         {describe_sm, make_sm},
         {describe_pcf, make_pcf},
         {describe_edsm, make_edsm},
+        {describe_vsm, make_vsm},
+        {describe_esm, make_esm},
+        {describe_evsm, make_evsm},
+        {describe_msm, make_msm},
         {describe_smsr, make_smsr},
         {describe_smsr2, make_smsr2},
         {describe_rsmss, make_rsmss},
         {describe_multi, make_multi},
         {describe_probe, make_probe},
+        // clang-format on
     };
     return entries;
 }

@@ -1,0 +1,20 @@
+// SPDX-FileCopyrightText: 2026 Shadow Layers contributors
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+// Depths that can be averaged. A map holds depth_rz = near (far - w) / ((far - near) w), or (far - w) / (far - near)
+// in a parallel view, with w along the view's axis. Solved for w, and scaled to -1 at near and 1 at far,
+//
+//   depth_lin = 1 - 2 + 2 (1 - depth_rz) / (1 + s depth_rz),  s = far / near - 1, or 0 in a parallel view.
+//
+// Powers of numbers round zero lose less to rounding than those of numbers between 0 and 1. An empty texel (depth_rz =
+// 0) lies at far. The result is convex and falling in depth_rz, which itself is planar over a plane.
+float linear_depth(float depth_rz, float stretch) {
+    return 2.0 * (1.0 - depth_rz) / (1.0 + stretch * depth_rz) - 1.0;
+}
+
+// -d depth_lin / d depth_rz, positive.
+float linear_depth_slope(float depth_rz, float stretch) {
+    float scale = 1.0 + stretch * depth_rz;
+    return 2.0 * (1.0 + stretch) / (scale * scale);
+}
