@@ -11,7 +11,7 @@ script_name=setup
 
 build_packages=(
     build-essential cmake ninja-build git python3.11-dev python3.11-venv python3-glad
-    libglm-dev libxxhash-dev libopenimageio-dev openimageio-tools libtinygltf-dev libtinyobjloader-dev
+    libglm-dev libxxhash-dev libxsimd-dev libopenimageio-dev openimageio-tools libtinygltf-dev libtinyobjloader-dev
     libzip-dev nlohmann-json3-dev libcli11-dev libembree-dev
     libosmesa6 libegl1 libegl-mesa0 libgl1-mesa-dri
 )

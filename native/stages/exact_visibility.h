@@ -1,0 +1,24 @@
+// SPDX-FileCopyrightText: 2026 Shadow Layers contributors
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "engine/engine.h"
+#include "frame/frame.h"
+#include "lights/light_views.h"
+
+namespace shadow_layers {
+
+/// Exact hard visibility of one light position, on the CPU: the receivers are sorted into tiles of the light's views
+/// and the triangles are drawn over them. One byte per pixel of the frame: 1 = the light reaches the receiver. Faces
+/// turned away are 0; background, receivers outside the cone and unlinked ones are 1.
+///
+/// `most_tiles`: bound of the tiles per side, which are chosen by the picture's size. It changes the time, not the
+/// answer.
+/// Counts "receivers", "caster_triangles", "tile_tests", "open_pairs" (settled in double).
+std::vector<std::uint8_t> compute_exact_visibility(Engine& engine, const Frame& frame, const Light& light,
+                                                   const LightPosition& position, int most_tiles);
+
+}  // namespace shadow_layers

@@ -1,0 +1,90 @@
+// SPDX-FileCopyrightText: 2026 Shadow Layers contributors
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "stages/occlusion_rule.h"
+
+#include <cmath>
+
+namespace shadow_layers {
+namespace {
+
+// Corners of a flat face are rounded to float, so they lie off its plane by some 1e-7 of the face's size.
+constexpr double kFlatTolerance = 1e-6;
+
+bool comes_before(const glm::dvec3& p, const glm::dvec3& q) {
+    if (p.x != q.x) return p.x < q.x;
+    return p.y != q.y ? p.y < q.y : p.z < q.z;
+}
+
+/// Volume spanned by the direction and the edge from p to q, with exactly opposite signs for q to p.
+double compute_edge_volume(const glm::dvec3& direction, const glm::dvec3& p, const glm::dvec3& q) {
+    return comes_before(p, q) ? glm::dot(direction, glm::cross(p, q)) : -glm::dot(direction, glm::cross(q, p));
+}
+
+bool is_neighbour_in_plane(const std::array<glm::dvec3, 3>& own, const std::array<glm::dvec3, 3>& other) {
+    int shared = 0;
+    glm::dvec3 apex(0.0);
+    for (const glm::dvec3& corner : other) {
+        if (corner == own[0] || corner == own[1] || corner == own[2])
+            ++shared;
+        else
+            apex = corner;
+    }
+    if (shared != 2) return shared == 3;
+    const glm::dvec3 normal = glm::cross(own[1] - own[0], own[2] - own[0]), reach = apex - own[0];
+    return std::abs(glm::dot(normal, reach)) <= kFlatTolerance * glm::length(normal) * glm::length(reach);
+}
+
+}  // namespace
+
+OcclusionRule::OcclusionRule(const Frame& frame, const LightPosition& position)
+    : frame_(frame),
+      rays_(frame.camera, frame.width, frame.height),
+      directional_(position.directional),
+      to_light_(position.to_light_ws),
+      light_rel_(position.position_ws - frame.origin_ws) {}
+
+OcclusionRule::Corners OcclusionRule::get_corners(const PixelIds& ids) const {
+    const Instance& instance = frame_.scene->instances[ids.instance];
+    const Mesh& mesh = *frame_.scene->meshes[instance.mesh];
+    const glm::dmat3 linear(instance.world_from_object);
+    const glm::dvec3 offset = glm::dvec3(instance.world_from_object[3]) - frame_.origin_ws;
+    const glm::uvec3& triangle = mesh.triangles[ids.triangle];
+    return {linear * glm::dvec3(mesh.positions[triangle.x]) + offset,
+            linear * glm::dvec3(mesh.positions[triangle.y]) + offset,
+            linear * glm::dvec3(mesh.positions[triangle.z]) + offset};
+}
+
+glm::dvec3 OcclusionRule::find_receiver(std::size_t pixel) const {
+    const double x = double(pixel % std::size_t(frame_.width)) + 0.5;
+    const double y = double(pixel / std::size_t(frame_.width)) + 0.5;
+    const glm::dvec3 origin = rays_.origin_0 + x * rays_.origin_dx + y * rays_.origin_dy;
+    const glm::dvec3 direction = rays_.direction_0 + x * rays_.direction_dx + y * rays_.direction_dy;
+    const Corners corners = get_corners(frame_.ids[pixel]);
+    const glm::dvec3 normal = glm::cross(corners[1] - corners[0], corners[2] - corners[0]);
+    const glm::dvec3 rounded(frame_.positions_rel[pixel]);
+    const double along = glm::dot(normal, direction);
+    if (along == 0) return rounded;
+    const glm::dvec3 found = origin + direction * (glm::dot(normal, corners[0] - origin) / along);
+    // The frame holds rays that just miss an edge-on face within the face's depths; so does this.
+    const double off = glm::length(found - rounded);
+    return off <= 1e-5 * (glm::length(rounded) + glm::length(origin)) ? found : rounded;
+}
+
+bool OcclusionRule::is_blocked(const glm::dvec3& receiver_rel, const PixelIds& receiver, const PixelIds& caster) const {
+    if (receiver.instance == caster.instance && receiver.triangle == caster.triangle) return false;
+    const Corners corners = get_corners(caster);
+    const glm::dvec3 to_light = directional_ ? to_light_ : light_rel_ - receiver_rel;
+    const glm::dvec3 a = corners[0] - receiver_rel, b = corners[1] - receiver_rel, c = corners[2] - receiver_rel;
+    const double u = compute_edge_volume(to_light, b, c), v = compute_edge_volume(to_light, c, a),
+                 w = compute_edge_volume(to_light, a, b);
+    if ((u < 0 || v < 0 || w < 0) && (u > 0 || v > 0 || w > 0)) return false;
+    if (u + v + w == 0) return false;
+    const glm::dvec3 normal = glm::cross(b - a, c - a);
+    const double along = glm::dot(to_light, normal);
+    if (along == 0) return false;
+    const double distance = glm::dot(a, normal) / along;
+    if (!(distance > 0) || (!directional_ && !(distance < 1))) return false;
+    return !is_neighbour_in_plane(get_corners(receiver), corners);
+}
+
+}  // namespace shadow_layers

@@ -1,0 +1,42 @@
+// SPDX-FileCopyrightText: 2026 Shadow Layers contributors
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <array>
+#include <glm/glm.hpp>
+
+#include "frame/camera_window.h"
+#include "frame/frame.h"
+#include "lights/light_views.h"
+
+namespace shadow_layers {
+
+/// Does a triangle lie between a receiver and the light? The exact answer, one pair at a time, in double. Techniques
+/// that decide most pairs in float ask it where float can't tell.
+///
+/// Rules: a triangle's rim belongs to it, and the corners of an edge are always taken in the same order, so that two
+/// triangles at an edge leave no crack. A triangle that the light sees edge-on casts nothing. The receiver's own
+/// triangle, and triangles that share an edge with it and lie in its plane, do not shadow it: their rounded corners
+/// would. No bias: everything else that lies strictly between receiver and light does.
+class OcclusionRule {
+public:
+    /// `frame` must outlive the rule.
+    OcclusionRule(const Frame& frame, const LightPosition& position);
+
+    /// Where the pixel centre's ray meets the plane of its triangle, relative to the frame's origin.
+    glm::dvec3 find_receiver(std::size_t pixel) const;
+
+    /// `receiver_rel` lies on triangle `receiver`.
+    bool is_blocked(const glm::dvec3& receiver_rel, const PixelIds& receiver, const PixelIds& caster) const;
+
+private:
+    using Corners = std::array<glm::dvec3, 3>;
+    Corners get_corners(const PixelIds& ids) const;
+
+    const Frame& frame_;
+    RayBasis rays_;
+    bool directional_;
+    glm::dvec3 to_light_, light_rel_;
+};
+
+}  // namespace shadow_layers
