@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from . import bridge
 from .capture import CapturedFrame, CapturedLayer
-from .compare.filtered_truth import Footprint
+from .compare.light_squares import Footprint
 from .compare.pixels import PixelClasses
 from .truth import LightTruth
 from .truth_store import TruthStore

@@ -11,14 +11,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .capture import CapturedFrame, CapturedLayer
-from .compare.filtered_truth import Footprint, Receivers, compute_filtered_visibility
+from .compare.filtered_truth import compute_filtered_visibility
 from .compare.light_bins import View, make_views
+from .compare.light_squares import Footprint, Receivers
 from .compare.sample_points import LATTICES
 from .compare.scene_triangles import SceneTriangles, find_casters
 from .truth_pictures import TruthError
 
 # Part of every cache key: raise it when what is computed changes.
-FILTERED_VERSION = 1
+FILTERED_VERSION = 2
 
 
 @dataclass(frozen=True)

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .capture import CapturedFrame, CapturedLayer
-from .compare.filtered_truth import Footprint
+from .compare.light_squares import Footprint
 from .compare.scene_triangles import SceneTriangles, gather_triangles
 from .snapshot import LightData, SceneSnapshot
 from .truth import TRUTH_VERSION, CyclesTruth, LightTruth, SoftTruth, TruthError, TruthSurface

@@ -81,6 +81,7 @@ class SeenTriangles:
     low: NDArray[np.float64]  # (t, 2) bounds in the map's plane
     high: NDArray[np.float64]
     mirrored: NDArray[np.bool_]  # (t,) the winding was turned round
+    normals: NDArray[np.float64]  # (t, 3) unit, in light space, to the side that the light sees
 
 
 def see_triangles(
@@ -99,8 +100,14 @@ def see_triangles(
     low, high = bound_triangles(rays, depth, nearest)
     mirrored = volume < 0
     weights[mirrored] *= -1.0
+    normals = np.cross(corners_ls[:, 1] - corners_ls[:, 0], corners_ls[:, 2] - corners_ls[:, 0])
+    normals /= np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-300)
+    # Of a sun the volume has the sign of the normal's z, of another light that of the normal's way from the light.
+    normals[(volume > 0) if view.perspective else (volume < 0)] *= -1.0
     solid = (volume != 0) & np.isfinite(volume)
-    return SeenTriangles(index[solid], corners_ls[solid], weights[solid], low[solid], high[solid], mirrored[solid])
+    return SeenTriangles(
+        index[solid], corners_ls[solid], weights[solid], low[solid], high[solid], mirrored[solid], normals[solid]
+    )
 
 
 def bound_triangles(

@@ -13,8 +13,9 @@ import pytest
 sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "addon"))
 
 from compare import scene_triangles
-from compare.filtered_truth import Footprint, Receivers, compute_filtered_visibility
+from compare.filtered_truth import compute_filtered_visibility
 from compare.light_bins import View, make_views
+from compare.light_squares import Footprint, Receivers
 from compare.sample_points import PixelSamples
 
 ALL_GROUPS = 0xFFFFFFFFFFFFFFFF
@@ -216,6 +217,64 @@ def test_a_fold_of_the_same_mesh_casts():
     numbers = [0 if -3 + 6 * (4 - value) / 8 > 0.2 else 1 for value in x]
     found = cast(make_snapshot((positions, triangles)), [make_view("SUN")], points, 0, numbers, texels=8, samples=256)
     np.testing.assert_allclose(found.visibility, np.clip(0.5 - (x - 2) / 0.4, 0, 1), atol=0.01)
+
+
+def make_box(size, base):
+    half = size / 2
+    corners = [(x * half, y * half, base + z * size) for x in (-1, 1) for y in (-1, 1) for z in (0, 1)]
+    quads = [(0, 1, 3, 2), (4, 6, 7, 5), (0, 4, 5, 1), (2, 3, 7, 6), (0, 2, 6, 4), (1, 5, 7, 3)]
+    return corners, [triangle for a, b, c, d in quads for triangle in ((a, b, c), (a, c, d))]
+
+
+def aim(direction, texel):
+    """A sun's view along a direction."""
+    z = -np.asarray(direction, float) / np.linalg.norm(direction)
+    x = np.cross([0.0, 1.0, 0.0], z)
+    x /= np.linalg.norm(x)
+    matrix = np.eye(4)
+    matrix[:3, :3] = np.stack([x, np.cross(z, x), z])
+    return View(False, (texel, texel), matrix)
+
+
+@pytest.mark.parametrize("side", [2, 17])
+@pytest.mark.parametrize("sunk", [0.0, 0.02])
+def test_the_side_of_a_box_on_the_ground_is_lit(side, sunk):
+    """Below its foot the side's plane goes on in the ground, where the light can't reach. The ground is another object,
+    coarse or fine; the box stands on it, or is sunk a little. What lies before the box shadows it all the same."""
+    ground = make_surface(lambda x, y: 0.0 * x, side=side, extent=20.0 if side == 2 else 5.0)
+    box = make_box(2.0, -sunk)
+    view = aim((-1, 0.2, -1.5), 0.05)  # from where x is large: the side x = 1 faces it
+    z = np.linspace(0.02, 1.5, 40)
+    points = np.column_stack([np.full(40, 1.0), np.full(40, 0.3), z])
+    # The side's quad (4, 6, 7, 5) has triangles 2 and 3, parted by the diagonal from (y, z) = (-1, foot) to (1, top).
+    numbers = np.where(z + sunk < 0.3 + 1, 2, 3)
+    found = cast(make_snapshot(ground, box), [view], points, 1, numbers, texels=10)
+    assert (found.visibility >= 1 - 2.5 * sunk).all()
+    shade = make_rectangle(1.2, 6, -5, 5, 1.4)
+    shadowed = cast(make_snapshot(ground, box, shade), [view], points, 1, numbers, texels=2)
+    assert (shadowed.visibility[(z > 0.1) & (z < 1.0)] == 0).all()
+    # On the ground beside the box, on the light's side and in the shadow.
+    beside = np.column_stack([[1.05, 1.5, -1.05, -1.3], np.full(4, 0.1), np.zeros(4)])
+    cells = side - 1
+    column, line = ((beside[:, axis] + (20 if side == 2 else 5)) / (40 if side == 2 else 10) * cells for axis in (0, 1))
+    quad = line.astype(int) * cells + column.astype(int)
+    numbers = 2 * quad + (line % 1 > column % 1)
+    found = cast(make_snapshot(ground, box), [view], beside, 0, numbers, texels=2)
+    assert found.visibility[1] == 1 and (found.visibility[2:] == 0).all()
+
+
+def test_a_card_that_stands_on_the_ground_shadows_it():
+    """It meets the ground's plane, but the ground goes on behind it."""
+    card = [(0, -9, 0), (0, 9, 0), (0, 9, 3), (0, -9, 3)], [(0, 1, 2), (0, 2, 3)]
+    view = aim((-1, 0, -1), 0.1)
+    x = np.linspace(-1, 1, 41)
+    points, numbers = put_on_ground(x, 0.2)
+    for flags in (3, 1):  # also where the ground is no caster
+        snapshot = make_snapshot(GROUND, card)
+        snapshot.instance_flags[0] = flags
+        found = cast(snapshot, [view], points, 0, numbers, texels=4, samples=256)
+        # A texel of the map is sqrt(2) as long on the ground.
+        np.testing.assert_allclose(found.visibility, np.clip(0.5 + x / (0.4 * math.sqrt(2)), 0, 1), atol=0.02)
 
 
 def test_triangles_behind_and_across_the_light_do_no_harm():
