@@ -18,13 +18,15 @@ from .batch_files import BatchError, FileNamer, Progress, make_output_folder, wr
 from .batch_measure import LightMeasurer
 from .batch_render import describe_frame, get_wanted, make_document, render_frame
 from .batch_scene import get_frames, get_owners, set_up
+from .batch_temporal import TemporalRun
 from .batch_truth import LightTruths, choose_kinds
 from .capture import CapturedFrame, CapturedLayer
 from .compare import flip
 from .compare.measures import MEASURES
 from .compare.pixels import Surface, classify_pixels
 from .compare.report import LightEntry, build_page
-from .compare.table import format_table
+from .compare.table import format_table, format_temporal_table
+from .compare.temporal import TEMPORAL_MEASURES
 from .scene_guard import SceneGuard
 from .truth_store import TruthStore
 
@@ -57,10 +59,14 @@ def run_compare(options: argparse.Namespace, progress: Progress) -> None:
     comparison.warm_up(frames[0])
     for index, frame in enumerate(frames):
         comparison.add_frame(frame, f"[{index + 1}/{len(frames)}] frame {frame}")
+    if options.temporal:
+        comparison.add_temporal(frames)
     document = comparison.make_document()
     write_json(json_path, document)
     write_bytes(page_path, comparison.make_page(document).encode())
     progress.say(format_table(document["records"]))
+    if document["temporal"]:
+        progress.say(format_temporal_table(document["temporal"]))
     progress.say(f"{len(document['records'])} layers are compared in {page_path} and {json_path}")
 
 
@@ -70,6 +76,8 @@ def make_head(options: argparse.Namespace, scene: bpy.types.Scene) -> dict[str, 
         **make_document(COMPARE_SCHEMA, COMPARE_SCHEMA_VERSION, scene),
         "truths": options.truth,
         "truth_samples": options.truth_samples,
+        "border_samples": options.border_samples,
+        "temporal_move": [options.temporal, options.temporal_frames, options.temporal_step],
     }
 
 
@@ -84,6 +92,7 @@ class _Comparison:
         self._namer = FileNamer()
         self._records: list[dict[str, Any]] = []
         self._frames: list[dict[str, Any]] = []
+        self._temporal: list[dict[str, Any]] = []
         self._lights: list[LightEntry] = []
         self._notes: list[str] = []
         self._again_ms: list[float | None] = []
@@ -146,6 +155,12 @@ class _Comparison:
             f"{frame_record['truth_ms'] / frame_record['render_ms']:.1f} times as long"
         )
         self._note(*captured.warnings, *store.notes, *borders.notes)
+
+    def add_temporal(self, frames: list[int]) -> None:
+        """Measures changes from frame to frame. Raises BatchError, TruthError."""
+        run = TemporalRun(self._options, self._progress, self._scene, self._view_layer)
+        self._temporal = run.run(frames)
+        self._note(*run.notes)
 
     def _render_layers(self, frame: int, label: str) -> tuple[CapturedFrame, dict[str, Any]]:
         """The layers of a frame. Times are those of the first render: as in an animation, programs and meshes are
@@ -213,6 +228,8 @@ class _Comparison:
             "measures": {info.id: {"unit": info.unit, "meaning": info.help} for info in MEASURES},
             "frames": self._frames,
             "records": self._records,
+            "temporal_measures": {info.id: {"unit": info.unit, "meaning": info.help} for info in TEMPORAL_MEASURES},
+            "temporal": self._temporal,
             "notes": self._notes,
         }
 
@@ -234,4 +251,5 @@ class _Comparison:
             },
             self._lights,
             self._notes,
+            self._temporal,
         )

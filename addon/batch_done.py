@@ -11,7 +11,17 @@ from pathlib import Path
 from typing import Any
 
 # What the whole list must have in common with the one that this run would write.
-HEAD_FIELDS = ("schema", "schema_version", "file", "scene", "camera", "truths", "truth_samples")
+HEAD_FIELDS = (
+    "schema",
+    "schema_version",
+    "file",
+    "scene",
+    "camera",
+    "truths",
+    "truth_samples",
+    "border_samples",
+    "temporal_move",
+)
 FILE_FIELDS = ("file", "picture", "layer_picture", "truth_picture", "difference_picture")
 
 

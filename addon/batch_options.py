@@ -34,6 +34,7 @@ VERBS = {
     "info": "tell versions, GL renderer, techniques with their parameters, and limits",
 }
 
+TEMPORAL_MOVES = ("light", "camera", "frames")
 TRUTHS = ("named", "hard", "filtered", "soft")
 
 
@@ -75,6 +76,16 @@ def parse_truths(text: str) -> list[str]:
     if unknown or not names:
         raise argparse.ArgumentTypeError(f'"{text}" is no truth: write {", ".join(TRUTHS)}, or several with commas')
     return list(dict.fromkeys(names))
+
+
+def parse_step(text: str) -> float:
+    try:
+        value = float(text)
+    except ValueError:
+        value = 0.0
+    if not 1e-6 <= value <= 10.0:
+        raise argparse.ArgumentTypeError(f'"{text}" is no step: write degrees, 0.000001 to 10, as 0.05')
+    return value
 
 
 def parse_setting(text: str) -> tuple[str, str, str]:
@@ -129,6 +140,11 @@ def make_parser() -> argparse.ArgumentParser:
         help="compare: named (what each technique stands for; default), hard, filtered, soft")  # fmt: skip
     add("--truth-samples", metavar="N", type=parse_count(4, 65536), default=64,
         help="compare: samples per pixel of filtered and soft truths (default 64)")  # fmt: skip
+    add("--temporal", choices=TEMPORAL_MOVES,
+        help="compare: measure changes too, over a short move of lights or camera, or over --frames")  # fmt: skip
+    add("--temporal-frames", metavar="N", type=parse_count(2, 1000), default=8, help="frames of the move (default 8)")
+    add("--temporal-step", metavar="DEG", type=parse_step,
+        help="degrees a frame, seen from the middle of the view (default: light 0.1, camera 0.02)")  # fmt: skip
     add = parser.add_argument_group("where to").add_argument
     add("--out", metavar="DIR", type=Path, default=Path("shadow_layers"), help="folder (default: shadow_layers)")
     add("--json", metavar="FILE", type=Path, help="the list of results (default: render.json, comparison.json in DIR)")

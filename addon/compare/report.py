@@ -14,6 +14,7 @@ from .measures import MEASURES, MeasureInfo
 from .page_assets import SCRIPT, STYLE
 from .pictures import DIFFERENCE_COLORS
 from .pixels import EXCLUSION_CAUSES
+from .temporal_page import make_temporal_section
 from .value_pictures import ERROR_COLORS
 
 # Shares of the compared pixels below which a number is shown as good, and above which as bad. For the eye only.
@@ -242,8 +243,10 @@ def build_page(
     facts: Mapping[str, Any],
     lights: Sequence[LightEntry],
     notes: Sequence[str] = (),
+    temporal: Sequence[Mapping[str, Any]] = (),
 ) -> str:
-    """The whole page. `facts`: label -> value lines under the title; `notes`: sentences for the reader."""
+    """The whole page. `facts`: label -> value lines under the title; `notes`: sentences for the reader; `temporal`:
+    the records of a move, as comparison.json has them."""
     has_flip = any(entry.record.get("flip") is not None for light in lights for entry in light.techniques)
     fact_line = "".join(f"<span>{escape(str(key))} <b>{escape(str(value))}</b></span>" for key, value in facts.items())
     note_lines = "".join(f'<p class="note">{escape(note)}</p>' for note in notes)
@@ -263,7 +266,7 @@ for the first of them. Cycles: its two renders of the visibility mask. Ratio: Cy
 pixels in which both see the same face and it is turned to the light.</p></details></section>
 <p class="note">Click a picture to zoom in, drag to move, wheel to zoom further, <kbd>Esc</kbd> to see it whole. All
 pictures of a light move together.</p>
-{sections}</main>
+{make_temporal_section(temporal)}{sections}</main>
 <footer>Made by Shadow Layers. 1 (white) is lit, 0 (black) in shadow.</footer>
 <script>{SCRIPT}</script></body></html>
 """

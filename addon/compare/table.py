@@ -1,11 +1,13 @@
 # SPDX-FileCopyrightText: 2026 Shadow Layers contributors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The records of a comparison as a short table for a terminal."""
+"""The records of a comparison as short tables for a terminal."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from typing import Any
+
+from .temporal import TEMPORAL_MEASURES
 
 HEADS = (
     "light",
@@ -18,6 +20,10 @@ HEADS = (
     "p99 px",
     "acne %",
     "leak %",
+    "shift tx",
+    "unbiased px",
+    "stair px",
+    "stair tx",
     "layer ms",
     "Cycles ms",
 )
@@ -44,14 +50,32 @@ def format_table(records: Sequence[Mapping[str, Any]]) -> str:
             format_number(measures["p99_border_distance_px"], 2),
             format_number(measures["acne_fraction"], 4, 100),
             format_number(measures["leak_fraction"], 4, 100),
+            format_number(measures["border_bias_texels"], 3),
+            format_number(measures["unbiased_error_px"], 3),
+            format_number(measures["staircase_px"], 3),
+            format_number(measures["staircase_texels"], 3),
             format_number(record["total_ms"], 1),
             format_number(record["truth_ms"].get("total"), 1),
         ))  # fmt: skip
-    widths = [max(len(row[column]) for row in rows) for column in range(len(HEADS))]
+    return align(rows, TEXT_COLUMNS)
+
+
+def format_temporal_table(records: Sequence[Mapping[str, Any]]) -> str:
+    """One line per record of a move under a head line: what changes from frame to frame beyond the truth."""
+    rows = [("light", "technique", "truth", *(info.label for info in TEMPORAL_MEASURES))]
+    for record in records:
+        numbers = (format_number(record["measures"][info.id], 5) for info in TEMPORAL_MEASURES)
+        rows.append((record["light"], record["technique"], record["truth"], *numbers))
+    return align(rows, 3)
+
+
+def align(rows: Sequence[Sequence[str]], text_columns: int) -> str:
+    """Columns as wide as their longest cell; the first ones, of text, to the left."""
+    widths = [max(len(row[column]) for row in rows) for column in range(len(rows[0]))]
     lines = []
     for row in rows:
         cells = (
-            cell.ljust(width) if column < TEXT_COLUMNS else cell.rjust(width)
+            cell.ljust(width) if column < text_columns else cell.rjust(width)
             for column, (cell, width) in enumerate(zip(row, widths, strict=True))
         )
         lines.append("  ".join(cells).rstrip())
