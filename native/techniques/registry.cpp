@@ -4,6 +4,7 @@
 
 #include "shadow_layers/error.h"
 #include "techniques/edsm/edsm.h"
+#include "techniques/edtsm/edtsm.h"
 #include "techniques/exact/exact.h"
 #include "techniques/esm/esm.h"
 #include "techniques/evsm/evsm.h"
@@ -34,6 +35,7 @@ const std::vector<TechniqueEntry>& technique_entries() {
         {describe_smsr, make_smsr},
         {describe_smsr2, make_smsr2},
         {describe_rsmss, make_rsmss},
+        {describe_edtsm, make_edtsm},
         {describe_multi, make_multi},
         {describe_exact, make_exact},
         {describe_probe, make_probe},

@@ -1,0 +1,243 @@
+// SPDX-FileCopyrightText: 2026 Shadow Layers contributors
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Euclidean distance transform shadow mapping: the hard shadow's border, as the picture shows it, becomes a ramp by the
+// distance to it.
+//   1. hard visibility from another technique, whose borders are finer than the map's texels (InnerTechnique)
+//   2. sites: pixels along the border, with the point of the border that they stand for
+//   3. nearest site of each pixel, by an exact distance transform, no farther than the widest penumbra reaches
+//   4. penumbra: 1/2 +- distance / width, or what a light of its size leaves; then a mean filter against skeletons
+// Based on: [Macedo17] M. C. F. Macedo, A. L. Apolinario, Euclidean distance transform shadow mapping, Graphics
+// Interface 2017.
+// Differences: the border lies between pixels, so the ramp has no step there; one surface is told by planes and pixel
+// footprints and not by a threshold of depth; the site that is nearest on the surface is looked for, which the one that
+// is nearest on the screen is not where the surface is seen at a slant; the width may come from the light's size, and
+// the ramp is then the light's own profile; the filter's size goes with the penumbra's width.
+// Fails: a penumbra is centred on the border and knows one border at a time, so narrow gaps and thin casters keep a
+// core of full light or shadow; borders that the camera does not see (behind things, off the picture) soften nothing.
+#include "techniques/edtsm/edtsm.h"
+
+#include <algorithm>
+#include <cmath>
+#include <sstream>
+
+#include "shadow_layers/error.h"
+#include "stages/depth_map.h"
+#include "stages/distance_transform.h"
+#include "stages/resolve.h"
+#include "techniques/common_parameters.h"
+#include "techniques/edtsm/border_sites.h"
+#include "techniques/inner_technique.h"
+#include "techniques/parameter_builder.h"
+
+namespace shadow_layers {
+namespace {
+
+constexpr double kLeastPenumbra = 1e-6, kLargestPenumbra = 1e6;
+constexpr int kGapReachTexels = 2;  // how far edtsm_sites.frag looks for a border's blocker
+
+struct Source {
+    std::string technique;
+    ParameterValues parameters;
+};
+
+Source make_source(const ParameterValues& values) {
+    const std::string& id = values.get_enum("source");
+    Source source{id == "edsm" ? "edsm" : "smsr", {}};
+    source.parameters.set("map_size", values.get_int("map_size"));
+    if (source.technique == "edsm") return source;
+    source.parameters.set("walk_limit", values.get_int("walk_limit"));
+    source.parameters.set("mode", std::string(id == "half" ? "half" : "paper"));
+    return source;
+}
+
+PenumbraSettings make_settings(const ParameterValues& values) {
+    return {.from_light = values.get_enum("penumbra_from") == "light",
+            .screen_metric = values.get_enum("metric") == "screen",
+            .width = values.get_float("penumbra"),
+            .width_px = values.get_float("penumbra_px"),
+            .filter = values.get_float("filter")};
+}
+
+/// Draws the mean filter's two passes. Kept between frames.
+class MeanFilter {
+public:
+    const gl::Texture& run(Engine& engine, const Frame& frame, bool screen_metric, const gl::Texture& soft_tx) {
+        const auto timer = engine.time_stage("mean_filter");
+        prepare(rows_tx_, rows_fb_, GL_RGBA32F, engine, frame);
+        prepare(whole_tx_, whole_fb_, GL_R32F, engine, frame);
+        frame.position_tx->bind(kPositionUnit);
+        frame.normal_tx->bind(kNormalUnit);
+        gl::Defines defines = {{"AXIS", "0"}, {"SCREEN_METRIC", screen_metric ? "1" : "0"}};
+        draw(engine, defines, soft_tx, rows_fb_);
+        defines["AXIS"] = "1";
+        draw(engine, defines, *rows_tx_, whole_fb_);
+        return *whole_tx_;
+    }
+
+private:
+    static void prepare(std::shared_ptr<gl::Texture>& texture, gl::Framebuffer& target, GLenum format, Engine& engine,
+                        const Frame& frame) {
+        if (texture && texture->width() == frame.width && texture->height() == frame.height) return;
+        target = gl::Framebuffer();
+        texture = std::make_shared<gl::Texture>(engine.device(), gl::TextureDesc{format, frame.width, frame.height},
+                                                "mean filter");
+        target = gl::Framebuffer(engine.device(), "mean filter");
+        target.attach_color(0, texture);
+    }
+    static void draw(Engine& engine, const gl::Defines& defines, const gl::Texture& from, const gl::Framebuffer& to) {
+        engine.check_cancelled();
+        engine.program("frame/fullscreen.vert", "techniques/edtsm/edtsm_filter.frag", defines).use();
+        from.bind(kSoftUnit);
+        to.bind();
+        engine.draw_fullscreen();
+    }
+
+    std::shared_ptr<gl::Texture> rows_tx_, whole_tx_;
+    gl::Framebuffer rows_fb_, whole_fb_;
+};
+
+class EDTSM final : public Technique {
+public:
+    void prepare(Engine& engine, const ParameterValues& parameters) override {
+        const Source source = make_source(parameters);
+        source_.prepare(engine, source.technique, source.parameters);
+        settings_ = make_settings(parameters);
+        far_program_ = &engine.program("frame/fullscreen.vert", "techniques/edtsm/edtsm_far.frag");
+        near_program_ =
+            &engine.program("frame/fullscreen.vert", "techniques/edtsm/edtsm_penumbra.frag", settings_.defines());
+    }
+
+    void render(Engine& engine, const LightTask& task, LayerOutputs& outputs) override {
+        const gl::Texture& hard_tx = source_.render(engine, task);
+        if (settings_.from_light && !has_size(task.light)) {
+            outputs.set("visibility", hard_tx);
+            return;
+        }
+        std::shared_ptr<const DepthMap> map;
+        if (settings_.from_light) map = render_depth_map(engine, *task.frame.scene, task.positions.front());
+        blocks_.bind(engine, task, settings_);
+        const auto sites = sites_.find(engine, task.frame, settings_, hard_tx, map ? map->texture.get() : nullptr);
+        engine.count("border_sites", sites.site_count);
+        if (sites.site_count == 0) {
+            outputs.set("visibility", hard_tx);
+            return;
+        }
+        check_width(task, sites);
+        outputs.set("visibility", soften(engine, task, hard_tx, sites));
+    }
+
+private:
+    /// A width that is derived from the light is as wide as it is; one that was asked for may be a slip.
+    void check_width(const LightTask& task, const BorderSites::Result& sites) const {
+        if (settings_.from_light) return;
+        const int picture_px = std::max(task.frame.width, task.frame.height);
+        if (sites.penumbra_px <= picture_px) return;
+        const bool screen = settings_.screen_metric;
+        const double width = screen ? settings_.width_px : settings_.width;
+        std::ostringstream allowed;
+        allowed << "a number from " << (screen ? 1.0 : kLeastPenumbra) << " to "
+                << width * picture_px / sites.penumbra_px << (screen ? " px" : " scene units")
+                << ": a penumbra may be as wide as the picture, and this one is " << std::lround(sites.penumbra_px)
+                << " px wide on " << task.frame.width << "x" << task.frame.height;
+        refuse_parameter("edtsm", screen ? "penumbra_px" : "penumbra", width, allowed.str());
+    }
+
+    const gl::Texture& soften(Engine& engine, const LightTask& task, const gl::Texture& hard_tx,
+                              const BorderSites::Result& sites) {
+        const double picture_px = std::hypot(task.frame.width, task.frame.height);
+        const int bound_px = int(std::ceil(std::min(sites.reach_px, picture_px))) + 1;
+        engine.count("reach_px", bound_px);
+        const gl::Texture& nearest_tx = transform_.run(engine, sites.mask_tx, {.bound_px = bound_px});
+        const gl::Texture& soft_tx = penumbra_.run(engine, {.frame = task.frame,
+                                                            .light = task.light,
+                                                            .position = task.positions.front(),
+                                                            .program = *far_program_,
+                                                            .second_program = near_program_,
+                                                            .format = GL_RGBA32F,
+                                                            .second_work_per_pixel = 20,
+                                                            .bind_inputs = [&] {
+                                                                blocks_.bind(engine, task, settings_);
+                                                                hard_tx.bind(kHardVisibilityUnit);
+                                                                sites.border_tx.bind(kBorderUnit);
+                                                                nearest_tx.bind(kNearestUnit);
+                                                            }});
+        return filter_.run(engine, task.frame, settings_.screen_metric, soft_tx);
+    }
+
+    PenumbraSettings settings_;
+    InnerTechnique source_;
+    PenumbraBlocks blocks_;
+    BorderSites sites_;
+    DistanceTransform transform_;
+    ResolvePass penumbra_;
+    MeanFilter filter_;
+    const gl::Program* far_program_ = nullptr;
+    const gl::Program* near_program_ = nullptr;
+};
+
+std::vector<ParameterSpec> edtsm_parameters() {
+    return {
+        map_size_parameter(),
+        enum_parameter("source", "Border Source", "half")
+            .item("half", "Half Level", "Revectorised shadow map, border through the middles of its steps: unbiased")
+            .item("smsr", "SMSR", "Revectorised shadow map as in the paper: borders half a texel too dark")
+            .item("edsm", "EDSM", "Borders rebuilt from the silhouette edges of the geometry: exact, but slower")
+            .help("Hard shadow whose border the penumbra is laid round"),
+        int_parameter("walk_limit", "Walk Limit", 16)
+            .range(1, 64)
+            .unit("texels")
+            .help("Longest walk along a step of the border, with the sources Half Level and SMSR"),
+        enum_parameter("penumbra_from", "Penumbra From", "light")
+            .item("light", "Light", "Width from the light's size and the distance of blocker and receiver")
+            .item("fixed", "Fixed", "One width for all borders, as in the paper")
+            .help("What makes a penumbra wide"),
+        enum_parameter("metric", "Metric", "world")
+            .item("world", "World", "Distances along the surface, in scene units: the same from any viewpoint")
+            .item("screen", "Screen", "Distances in the picture, in pixels")
+            .help("How the distance to the border is measured"),
+        float_parameter("penumbra", "Penumbra", 0.1)
+            .range(kLeastPenumbra, kLargestPenumbra)
+            .unit("scene units")
+            .help("Width of the penumbra with fixed width and the world metric"),
+        float_parameter("penumbra_px", "Screen Penumbra", 24)
+            .range(1, 4096)
+            .unit("px")
+            .help("Width of the penumbra with fixed width and the screen metric"),
+        float_parameter("filter", "Mean Filter", 0.25)
+            .range(0, 1)
+            .help("Size of the mean filter as a part of the penumbra's width; 0 leaves it out"),
+        int_parameter("overscan", "Overscan", 32)
+            .range(0, 512)
+            .unit("px")
+            .help("How far beyond the picture's rim borders are looked for")};
+}
+
+}  // namespace
+
+TechniqueDescriptor describe_edtsm() {
+    TechniqueDescriptor d;
+    d.id = "edtsm";
+    d.label = "EDTSM";
+    d.summary = "Penumbrae by the exact distance to a rebuilt hard border, free of banding";
+    d.reference = "Macedo17";
+    d.parameters = edtsm_parameters();
+    d.outputs = visibility_output();
+    d.lights = all_light_kinds();
+    d.limits = "Knows one border at a time, and only those that the camera sees";
+    d.needs = [](const ParameterValues& values) {
+        const Source source = make_source(values);
+        TechniqueNeeds needs = find_inner_needs(source.technique, source.parameters);
+        needs.map_border_texels = std::max(needs.map_border_texels, kFootprintBorderTexels + kGapReachTexels);
+        needs.overscan_px += int(values.get_int("overscan"));
+        return needs;
+    };
+    d.truth = [](const ParameterValues& values) -> TruthSpec {
+        if (values.get_enum("penumbra_from") == "light") return {.kind = TruthKind::Soft};
+        return {.kind = TruthKind::Filtered, .footprint_world = values.get_float("penumbra")};
+    };
+    return d;
+}
+
+std::unique_ptr<Technique> make_edtsm() { return std::make_unique<EDTSM>(); }
+
+}  // namespace shadow_layers

@@ -1,0 +1,137 @@
+// SPDX-FileCopyrightText: 2026 Shadow Layers contributors
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Penumbra intensity of the pixels that have a site in reach: distance to the border, normalised.
+// Writes visibility, half the mean filter's size in the metric's units, the depth that the filter goes by, and whether
+// the pixel may be a tap of others.
+// Defines: see penumbra_inputs.glsl.
+// Based on: [Macedo17] 3.3, Eq. 1. Differences: among the sites round the nearest one on the screen the one that is
+// nearest on the surface is looked for; a light's own size gives its own profile instead of the straight ramp.
+#include "techniques/edtsm/penumbra_inputs.glsl"
+#include "lib/light_cut_lib.glsl"
+#include "lib/nearest_site_lib.glsl"
+
+layout(binding = kHardVisibilityUnit) uniform sampler2D visibility_tx;
+layout(binding = kBorderUnit) uniform sampler2D border_tx;
+layout(binding = kNearestUnit) uniform usampler2D nearest_tx;
+layout(location = 0) out vec4 soft;
+
+struct Site {
+    bool found;
+    ivec2 pixel;
+    vec3 way;        // from the border's point to the receiver, scene units
+    float distance;  // in the metric's units
+    float gap;
+};
+
+uint find_nearest(vec2 pixel) {
+    return texelFetch(nearest_tx, clamp(ivec2(round(pixel)), ivec2(0), textureSize(nearest_tx, 0) - 1), 0).x;
+}
+
+// Keeps a site if it is on the receiver's surface and nearer than the best so far.
+void try_site(ivec2 site, ivec2 pixel, Receiver receiver, float side, inout Site best) {
+    vec4 border = texelFetch(border_tx, site, 0);
+    vec3 site_rel = texelFetch(position_tx, site, 0).xyz;
+    vec3 site_normal = texelFetch(normal_tx, site, 0).xyz;
+#if SCREEN_METRIC
+    vec3 way = receiver.position_rel - site_rel;
+    float distance = length(vec2(pixel - site) - border.xy);
+#else
+    vec3 way = receiver.position_rel - border.xyz;
+    float distance = length(way);
+#endif
+    bool is_better = (!best.found || distance < best.distance) &&
+                     is_one_surface(receiver.position_rel, receiver.normal, site_rel, site_normal, side);
+    if (is_better) best = Site(true, site, way, distance, border.w);
+}
+
+// The border's foot point is nearest on the screen, where the border crosses the way to it at a right angle. On the
+// surface the right angle is elsewhere: go along the border's tangent to where it would be, and take the site there.
+// Where the border bends, the way between the last two sites is the tangent.
+void follow_border(ivec2 pixel, Receiver receiver, Footprint footprint, inout Site best) {
+    const int steps = 2;
+    ivec2 last = best.pixel;
+    vec2 away = vec2(pixel - last);
+    vec2 tangent = vec2(-away.y, away.x);
+    int count = away == vec2(0.0) ? 0 : steps;
+    for (int k = 0; k < count; ++k) {
+        vec3 along = footprint.dx * tangent.x + footprint.dy * tangent.y;
+        vec3 apart = footprint.dx * away.x + footprint.dy * away.y;
+        float share = dot(apart, along) / max(dot(along, along), 1e-30);
+        uint next = find_nearest(vec2(last) + share * tangent);
+        if (!is_site(next) || unpack_site(next) == last) break;
+        tangent = vec2(unpack_site(next) - last);
+        last = unpack_site(next);
+        away = vec2(pixel - last);
+        try_site(last, pixel, receiver, footprint.side, best);
+    }
+}
+
+Site find_site(ivec2 pixel, Receiver receiver, Footprint footprint) {
+    Site best = Site(false, pixel, vec3(0.0), 0.0, 0.0);
+    ivec2 first = unpack_site(texelFetch(nearest_tx, pixel, 0).x);
+    try_site(first, pixel, receiver, footprint.side, best);
+    // A border on another surface hides the own one: look on the other side of the pixel.
+    for (int k = 1; k <= (best.found ? 0 : 2); ++k) {
+        uint next = find_nearest(vec2(pixel) + float(k) * vec2(pixel - first));
+        if (is_site(next)) try_site(unpack_site(next), pixel, receiver, footprint.side, best);
+    }
+#if !SCREEN_METRIC
+    if (best.found) follow_border(pixel, receiver, footprint, best);
+#endif
+    return best;
+}
+
+// Part of the light that is not behind the blocker's edge, half of it at least: the edge is taken as straight, at `gap`
+// before the border's point, and parallel to the border there.
+float compute_light_fraction(Receiver receiver, Site site) {
+    vec3 border_to_light = receiver.to_light + light.place_rel.w * site.way;
+    vec3 to_blocker = normalize(border_to_light) * site.gap - site.way;
+    vec3 tangent = cross(receiver.normal, site.way);
+    float scale = max(length(to_blocker) * length(tangent), 1e-30);
+    vec3 plane = cross(to_blocker, tangent) / scale;
+    int shape = int(penumbra.light_u.w);
+    vec3 half_u = penumbra.light_u.xyz, half_v = penumbra.light_v.xyz;
+    if (penumbra.light_v.w < 0.5) {
+        // A ball or the sun looks like a disc from everywhere.
+        vec3 ahead = normalize(receiver.to_light);
+        float radius = half_light_size(length(receiver.to_light));
+        half_u = orthogonal_to(ahead) * radius;
+        half_v = cross(ahead, half_u);
+    }
+    return fraction_beside_plane(shape, plane, receiver.to_light, half_u, half_v);
+}
+
+// Distance to the border and width of the penumbra, in the metric's units, to what the light still gives.
+float soften(Receiver receiver, Site site, float width, bool lit) {
+#if FROM_LIGHT && !SCREEN_METRIC
+    float more = compute_light_fraction(receiver, site);
+#else
+    // [Macedo17] Eq. 1
+    float more = 0.5 + min(site.distance / max(width, 1e-30), 0.5);
+#endif
+    return lit ? more : 1.0 - more;
+}
+
+void main() {
+    ivec2 pixel = ivec2(gl_FragCoord.xy);
+    float hard = texelFetch(visibility_tx, pixel, 0).x;
+    soft = vec4(hard, 0.0, 0.0, 0.0);
+    Receiver receiver = fetch_receiver(pixel);
+    bool is_asked = receiver.fixed_visibility == kMapDecides && is_site(texelFetch(nearest_tx, pixel, 0).x);
+    for (int once = is_asked ? 0 : 1; once < 1; ++once) {
+        Footprint footprint = compute_footprint(camera, receiver.position_rel, receiver.normal);
+        float depth = camera.forward.w > 0.5 ? 1.0 / max(footprint.depth_vs, 1e-30) : footprint.depth_vs;
+        soft.zw = vec2(depth, 1.0);
+        Site site = find_site(pixel, receiver, footprint);
+        if (!site.found) continue;
+        float width = penumbra_width(site.gap, length(receiver.to_light));
+#if SCREEN_METRIC
+        width = FROM_LIGHT == 1 ? width / footprint.side : penumbra.width.y;
+#endif
+        soft.x = soften(receiver, site, width, hard >= 0.5);
+        // Beyond ramp and filter nothing changes any more.
+        float reach = (0.5 + 0.5 * penumbra.width.z) * width * (SCREEN_METRIC == 1 ? 1.0 : stretch_on(receiver));
+        bool is_near = site.distance <= reach;
+        soft.y = is_near ? 0.5 * penumbra.width.z * width : 0.0;
+    }
+}
