@@ -42,6 +42,29 @@ def run_script(*arguments):
 # ---- options
 
 
+def test_options_of_a_temporal_comparison():
+    got = parse("a.blend", "compare", "--temporal", "light", "--temporal-frames", "5", "--temporal-step", "0.25")
+    assert (got.temporal, got.temporal_frames, got.temporal_step, got.border_samples) == ("light", 5, 0.25, 3)
+    assert parse("compare").temporal is None and parse("compare").temporal_step is None
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (("--temporal", "sideways"), "sideways"),
+        (("--temporal-frames", "1"), '"1" is no whole number from 2 to 1000'),
+        (("--temporal-step", "0"), '"0" is no step: write degrees'),
+        (("--temporal-step", "nan"), '"nan" is no step: write degrees'),
+        (("--temporal-step", "1e9"), "is no step: write degrees"),
+        (("--border-samples", "0"), '"0" is no whole number from 1 to 16'),
+    ],
+)
+def test_bad_options_of_measures_are_refused(arguments, message, capsys):
+    with pytest.raises(SystemExit) as stop:
+        parse("compare", *arguments)
+    assert stop.value.code == 2 and message in capsys.readouterr().err
+
+
 def test_all_options_of_a_render():
     got = parse(
         "shot.blend", "render", "--techniques", "sm,edsm", "--lights", "Key", "Fill 2", "--resolution",

@@ -15,7 +15,7 @@ import pytest
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "addon"))
 
-from compare import flip, measures, pictures, pixels, report, table
+from compare import flip, measures, pictures, pixels, report, table, temporal
 from compare.png import encode_png
 
 
@@ -169,8 +169,8 @@ class PageReader(HTMLParser):
             self.text.append(data)
 
 
-def read_page(lights, notes=()):
-    page = report.build_page("Title & more", {"Blender": "4.5"}, lights, notes)
+def read_page(lights, notes=(), temporal_records=()):
+    page = report.build_page("Title & more", {"Blender": "4.5"}, lights, notes, temporal_records)
     reader = PageReader()
     reader.feed(page)
     reader.close()
@@ -198,6 +198,32 @@ def test_page_shows_every_measure_with_its_unit():
     assert "0.01 px" in text and "+0.01230" in text and "77" in text and f"10.0{report.TIMES}" in text
     for info in measures.MEASURES:
         assert info.label in text
+
+
+def make_temporal_record(technique, value, **changes):
+    return {
+        "light": "Key <b>", "technique": technique, "truth": "soft", "truth_standard_error": 0.0125, "move": "light",
+        "step_deg": 0.1, "frames": 8, "pixel_count": 7000,
+        "measures": {info.id: value for info in temporal.TEMPORAL_MEASURES}, **changes,
+    }  # fmt: skip
+
+
+def test_page_shows_changes_from_frame_to_frame():
+    records = [make_temporal_record("sm", 0.04321), make_temporal_record("edsm", None)]
+    _, reader = read_page([make_light(make_record("sm"))], temporal_records=records)
+    text = " ".join(reader.text)
+    assert "the lights moved, 8 frames, 0.1\N{DEGREE SIGN} each" in text and "soft \N{PLUS-MINUS SIGN} 0.0125" in text
+    assert text.count("0.04321") == len(temporal.TEMPORAL_MEASURES)
+    own = make_temporal_record("sm", 0.5, move="frames", step_deg=None, truth_standard_error=None)
+    assert "the scene's own frames, 8 frames" in " ".join(read_page([], temporal_records=[own])[1].text)
+    assert "From frame to frame" not in read_page([make_light(make_record("sm"))])[0]
+
+
+def test_table_of_changes_has_a_line_per_record():
+    records = [make_temporal_record("sm", 0.04321), make_temporal_record("edsm", None)]
+    lines = table.format_temporal_table(records).splitlines()
+    assert len(lines) == 3 and "0.04321" in lines[1] and lines[2].split()[-1] == "-"
+    assert all(info.label in lines[0] for info in temporal.TEMPORAL_MEASURES)
 
 
 def test_page_of_undefined_measures_and_no_lights():
