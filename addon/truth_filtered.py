@@ -19,7 +19,7 @@ from .compare.scene_triangles import SceneTriangles, find_casters
 from .truth_pictures import TruthError
 
 # Part of every cache key: raise it when what is computed changes.
-FILTERED_VERSION = 2
+FILTERED_VERSION = 5
 
 
 @dataclass(frozen=True)

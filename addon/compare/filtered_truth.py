@@ -4,8 +4,9 @@
 
 The square lies in the map's plane (its side in texels) or in the receiver's (in scene units). Each of its points stands
 for the point of the receiver's plane that the light sees there; that one is in shadow if a triangle lies before it.
-The receiver's own surface is no blocker, nor is one that the plane runs into where the receiver has ended: where they
-rise before the plane, they take its place (receiver_sheet.py). All in double, from the triangles; no map, no bias.
+The receiver's own surface is no blocker: where it rises before the plane, it takes its place. Points where it has ended
+and its plane lies buried under a surface that the plane runs into are as lit as the receiver's surface in the square is
+on average (receiver_sheet.py). All in double, from the triangles; no map, no bias.
 
 A pixel is decided as a whole where no triangle that touches its square comes before its plane, or one covers it; both
 are exact. Elsewhere a fixed number of points is taken, in four lattices shifted anew for each pixel, whose spread gives
@@ -180,21 +181,22 @@ class _Caster:
             part = slice(starts[begin], stop)
             pixels = row[starts[begin:end]]
             part_surfaces = Surfaces(surfaces.own[part], surfaces.met[part])
-            blocked = self._find_blocked(
+            values = self._shade(
                 row[part], edges[part], rise[part], surfaces=part_surfaces, starts=starts[begin:end] - starts[begin]
             )
-            open_parts = 1.0 - blocked.reshape(len(pixels), LATTICES, -1).mean(axis=2)
-            self.visibility[pixels] = open_parts.mean(axis=1)
-            self.error[pixels] = open_parts.std(axis=1, ddof=1) / np.sqrt(LATTICES)
+            means = values.reshape(len(pixels), LATTICES, -1).mean(axis=2)
+            self.visibility[pixels] = means.mean(axis=1)
+            self.error[pixels] = means.std(axis=1, ddof=1) / np.sqrt(LATTICES)
             self.sampled_count += len(pixels)
             begin = end
 
-    def _find_blocked(
+    def _shade(
         self, row: NDArray, edges: NDArray, rise: NDArray, *, surfaces: Surfaces, starts: NDArray
-    ) -> NDArray[np.bool_]:
-        """Which samples of each pixel are in shadow, (pixels, samples)."""
+    ) -> NDArray[np.float64]:
+        """How lit each sample of each pixel is, (pixels, samples)."""
         pixel_of = np.repeat(np.arange(len(starts)), np.diff(starts, append=len(row)))
-        a, b = (points[pixel_of] for points in self._samples.make(row[starts]))
+        # After the samples the receiver's point itself, which is asked where its surface falls between them.
+        a, b = (np.pad(points, ((0, 0), (0, 1)))[pixel_of] for points in self._samples.make(row[starts]))
 
         def spread(values: NDArray) -> NDArray:
             return values[:, :1] + a * values[:, 1:2] + b * values[:, 2:]
@@ -205,13 +207,22 @@ class _Caster:
             inside &= spread(edges[:, corner]) >= 0
         own, met = surfaces.own[:, None], surfaces.met[:, None]
         if not own.any() and not met.any():
-            return np.logical_or.reduceat(inside & (hit > 0), starts, axis=0)
+            return 1.0 - np.logical_or.reduceat(inside & (hit > 0), starts, axis=0)[:, :-1]
         # Heights over the plane, to compare those of the surfaces with the others'.
         total = np.maximum(spread(edges.sum(axis=1)), 1e-300)
         height = np.where(inside, hit / total, -np.inf)
         level = np.maximum.reduceat(np.where(own, height, 0.0), starts, axis=0)
-        ended = ~np.logical_or.reduceat(inside & own, starts, axis=0)
-        met_level = np.maximum.reduceat(np.where(met, height, 0.0), starts, axis=0)
-        level = np.maximum(np.where(ended, np.maximum(level, met_level), level), 0.0)
-        blocks = ~own & ~(met & ended[pixel_of]) & (height > level[pixel_of])
-        return np.logical_or.reduceat(blocks, starts, axis=0)
+        blocks = ~own & (height > np.maximum(level, 0.0)[pixel_of])
+        blocked = np.logical_or.reduceat(blocks, starts, axis=0)
+        shown = np.logical_or.reduceat(inside & own, starts, axis=0)
+        buried = ~shown & np.logical_or.reduceat(met & (height > 0.0), starts, axis=0)
+        return fill_buried(~blocked, shown, buried)[:, :-1]
+
+
+def fill_buried(lit: NDArray[np.bool_], shown: NDArray[np.bool_], buried: NDArray[np.bool_]) -> NDArray[np.float64]:
+    """Gives the samples `buried` the mean of those where the receiver's own surface is, `shown`; of its point, the
+    last of them, where no sample meets it. (pixels, samples + 1) each."""
+    shown = shown.copy()
+    shown[:, -1] = ~shown[:, :-1].any(axis=1)
+    mean = (lit & shown).sum(axis=1, keepdims=True) / shown.sum(axis=1, keepdims=True)
+    return np.where(buried, mean, lit)

@@ -1,10 +1,10 @@
 # SPDX-FileCopyrightText: 2026 Shadow Layers contributors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Which triangles near a receiver are no blockers: its own surface, and one that it stands on.
+"""What a receiver's own surface is near it, and where it lies buried.
 
 Its own surface is what is connected with its triangle inside the square and shows the light the same side. Where that
-has ended, the receiver's plane goes on; but where it runs into another surface, as the side of a box into the ground,
-its points are buried and nothing can light them. Such a surface takes the plane's place there.
+has ended, the receiver's plane goes on, so that shadows that fall across its rim go on as well. But where the plane
+runs into another surface, as the side of a box into the ground, nothing can light it, and nobody can see it.
 """
 
 from __future__ import annotations
