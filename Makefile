@@ -40,7 +40,7 @@ measure: ## Measure what the README's tables claim (NAMES="accuracy speed ...", 
 	@scripts/build.sh
 	@/usr/bin/python3 scripts/measure.py $(NAMES)
 
-docs: ## Make docs/techniques.md and the pictures of the README anew
+docs: ## Make docs/techniques.md, docs/comparison.md and all pictures anew
 	@scripts/setup.sh build bpy45
 	@scripts/build.sh
 	@scripts/make_docs.sh

@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # SPDX-FileCopyrightText: 2026 Shadow Layers contributors
 # SPDX-License-Identifier: GPL-3.0-or-later
-# Makes docs/techniques.md and every picture of docs/images/ anew, with the program itself.
+# Makes docs/techniques.md, docs/comparison.md and every picture of docs/images/ anew, with the program itself.
 script_name=docs
 . "$(dirname "$0")/common.sh"
 
@@ -22,13 +22,13 @@ say "the table of techniques"
 /usr/bin/python3 "$root/scripts/make_technique_table.py" "$work/info.json"
 mapfile -t techniques < <(technique_ids "$work/info.json")
 
-for scene in box jenga hall fence studio city; do
+for scene in box jenga hall fence studio city knot wall door blades; do
     say "picture of scene $scene"
     make_scene $scene
     batch "$work/$scene.blend" render --samples 16 --out "$work/$scene"
 done
 convert "$work/studio/combined.png" -quality 92 "$images/studio.jpg"
-montage "$work"/{box,jenga,hall,fence,studio,city}/combined.png -resize 480x270 -tile 3x2 -geometry +4+4 -background '#8a8f98' \
+montage "$work"/{box,jenga,hall,fence,studio,city,knot,wall,door,blades}/combined.png -resize 384x216 -tile 4x3 -geometry +4+4 -background '#8a8f98' \
     -quality 90 "$images/scenes.jpg"
 
 # Truth, layer and difference of a part of the tower's shadow, four times enlarged, from a coarse map.
@@ -41,4 +41,6 @@ done
 say "layers of the studio scene"
 batch "$work/studio.blend" render --techniques edsm --samples 16 --out "$work/layers"
 montage "$work"/layers/{Softbox,Spot,Bulb,Sun}_edsm.png -resize 480x270 -tile 2x2 -geometry +4+4 -background '#8a8f98' -quality 90 "$images/layers.jpg"
-say "done: docs/techniques.md and $(find "$images" -type f | wc -l) pictures in docs/images/"
+say "techniques side by side"
+/usr/bin/python3 "$root/scripts/make_comparison.py" --build "$build_dir"
+say "done: docs/techniques.md, docs/comparison.md and $(find "$images" -type f | wc -l) pictures in docs/images/"
