@@ -20,7 +20,7 @@ bpy_packages=(
     libx11-6 libxrender1 libxfixes3 libxi6 libxxf86vm1 libxkbcommon0 libsm6 libice6 libgl1 libegl1 libgomp1
 )
 blender_packages=(blender python3-numpy python3-pytest)
-test_packages=(libgtest-dev clang-format xvfb xauth xdotool imagemagick)
+test_packages=(libgtest-dev clang-format xvfb xauth xdotool imagemagick fonts-dejavu-core)
 
 is_installed() { [ "$(dpkg-query -W -f '${db:Status-Status}' "$1" 2>/dev/null)" = installed ]; }
 

@@ -16,6 +16,10 @@ kScenes = {
     "fence": (100_000, 200_000, {"SUN"}),
     "studio": (150_000, 250_000, {"SUN", "SPOT", "POINT", "AREA"}),
     "city": (1_000_000, 2_000_000, {"SUN"}),
+    "knot": (99_000, 101_000, {"SPOT"}),
+    "wall": (41_000, 42_000, {"SPOT"}),
+    "door": (37_000, 39_000, {"SPOT"}),
+    "blades": (218, 218, {"SUN"}),
 }
 
 
@@ -83,6 +87,43 @@ def test_box_shadow_has_the_outline_of_the_closed_form(open_scene, kind):
     wrong = (frame.layers[0].channels["visibility"][on_plane] > 0.5) != lit
     assert 0.03 < 1 - lit.mean() < 0.5
     assert wrong.mean() < 2e-3
+
+
+@pytest.mark.parametrize("wanted", [100, 15_000, 750_000])
+def test_knot_has_about_the_triangles_asked_for_and_is_closed(open_scene, wanted):
+    open_scene("knot", "--triangles", str(wanted))
+    mesh = bpy.data.meshes["Knot"]
+    assert abs(2 * len(mesh.polygons) - wanted) < 0.05 * wanted
+    corners = np.empty(len(mesh.loops), dtype=np.int32)
+    mesh.loops.foreach_get("vertex_index", corners)
+    quads = corners.reshape(-1, 4)
+    edges = np.sort(np.stack([quads, np.roll(quads, -1, axis=1)], axis=-1).reshape(-1, 2), axis=1)
+    edges, uses = np.unique(edges, axis=0, return_counts=True)
+    assert (uses == 2).all(), "every edge joins two faces"
+    # The tube comes back to where it began without a twist: edges along it stay short.
+    place = np.empty(3 * len(mesh.vertices), dtype=np.float32)
+    mesh.vertices.foreach_get("co", place)
+    place = place.reshape(-1, 3)
+    lengths = np.linalg.norm(place[edges[:, 0]] - place[edges[:, 1]], axis=1)
+    assert lengths.max() < 6 * np.median(lengths)
+
+
+def test_knot_refuses_too_few_triangles(run_script, project_root, tmp_path):
+    out = tmp_path / "out.blend"
+    done = run_script(project_root / "test_scenes" / "knot.py", [str(out), "--triangles", "5"], check=False)
+    assert done.returncode == 1 and "--triangles 5" in done.stdout + done.stderr
+    assert not out.exists()
+
+
+def test_the_walls_shadow_meets_the_statues(open_scene):
+    """What the scene is for: its shadow ends on the statue and on the floor."""
+    frame = render_small(open_scene("wall"), 320, aux=("ids",), map_size=1024, techniques=("edsm",))
+    names = frame.snapshot.instance_names
+    seen = frame.aux["ids"][..., 0]
+    lit = frame.layers[0].channels["visibility"] > 0.5
+    for name in ("Floor", "Statue"):
+        share = lit[seen == names.index(name)].mean()
+        assert 0.1 < share < 0.9, name
 
 
 def test_city_shares_its_meshes(open_scene):

@@ -294,6 +294,79 @@ def test_bench_of_other_cache_states(run, snapshot, mode):
     assert ("depth_map" in done.stdout) == (mode == "cold")
 
 
+def write_rows(tmp_path, rows):
+    (tmp_path / "rows.json").write_text(json.dumps(rows), encoding="utf-8")
+    return "rows.json"
+
+
+def test_bench_measures_rows_and_their_errors(run, snapshot, tmp_path):
+    """Coarser maps are further from the rays; a filter is nearer to its own truth than to the hard mask."""
+    rows = [
+        {"technique": "sm", "settings": {"map_size": 16}},
+        {"technique": "sm", "settings": {"map_size": 1024}},
+        {"name": "wide", "technique": "pcf", "settings": {"map_size": 64, "kernel": 5, "bilinear": True}},
+    ]
+    done = run(
+        *("bench", snapshot, "--rows", write_rows(tmp_path, rows), "--errors", "--lights", "Key", "--repeat", 2),
+        *("--resolution", "160x120", "--samples", 1, "--json", "bench.json"),
+    )
+    assert done.returncode == 0, done.stderr
+    coarse, fine, wide = json.loads((tmp_path / "bench.json").read_text(encoding="utf-8"))["records"]
+    assert (coarse["settings"]["map_size"], fine["settings"]["map_size"], wide["name"]) == (16, 1024, "wide")
+    assert wide["settings"]["bilinear"] is True
+    wrong = [record["errors"]["hard"]["wrong_fraction"] for record in (coarse, fine)]
+    assert wrong[1] < 0.004 < wrong[0] < 0.2
+    for record in (coarse, fine):
+        errors = record["errors"]
+        assert errors["truth"] == "hard" and errors["own"] == errors["hard"]
+        assert errors["hard"]["pixels"] == 160 * 120
+        assert errors["hard"]["mean_absolute"] == pytest.approx(errors["hard"]["wrong_fraction"]), "sm is 0 or 1"
+    errors = wide["errors"]
+    assert errors["truth"] == "filtered" and errors["footprint_texels"] == 6
+    assert errors["own"]["mean_absolute"] < 0.5 * errors["hard"]["mean_absolute"]
+    assert wide["ratio_to_sm"] > 0 and wide["ratio_to_sm_spread"]["count"] == 2
+    assert coarse["ratio_to_sm"] == fine["ratio_to_sm"] == 1, "each is its own reference"
+    assert wide["stage_ms"]["resolve"]["count"] == 2 and wide["stage_ratio_to_sm"]["resolve"] > 0
+
+
+BAD_ROWS = [
+    ("[1", ("no JSON", "rows.json")),
+    ('{"technique": "sm"}', ("not a list",)),
+    ("[3]", ("row 1", "3")),
+    ("[{}]", ("row 1", "technique")),
+    ('[{"technique": "sm"}, {"technique": "nosuch"}]', ("row 2", "nosuch")),
+    ('[{"technique": "sm", "settings": [1]}]', ("row 1", "settings")),
+    ('[{"technique": "sm", "settings": {"kernel": 3}}]', ("row 1", "kernel", "sm")),
+    ('[{"technique": "sm", "settings": {"map_size": "big"}}]', ("row 1", "map_size")),
+    ('[{"technique": "sm", "settings": {"map_size": null}}]', ("row 1", "map_size", "null")),
+    ('[{"technique": "sm", "settings": {"map_size": 0}}]', ("row 1", "map_size", "0")),
+    ('[{"technique": "sm", "name": 3}]', ("row 1", "name")),
+    ('[{"technique": "sm", "colour": "red"}]', ("row 1", "colour")),
+    ("[]", ("nothing",)),
+]
+
+
+@pytest.mark.parametrize(("text", "culprits"), BAD_ROWS)
+def test_bad_rows_of_a_bench_are_named(run, snapshot, tmp_path, text, culprits):
+    (tmp_path / "rows.json").write_text(text, encoding="utf-8")
+    assert_fails(run("bench", snapshot, "--rows", "rows.json"), *culprits)
+
+
+def test_a_bench_says_at_once_what_it_cannot_do(run, snapshot):
+    assert_fails(run("bench", snapshot, "--rows", "nowhere.json"), "nowhere.json")
+    assert_fails(run("bench", snapshot, "--repeat", 10000, "--json", "/nowhere/bench.json"), "/nowhere/bench.json")
+
+
+def test_an_interrupted_bench_leaves_no_file(shadowcore, snapshot, tmp_path):
+    command = [str(shadowcore), "bench", str(snapshot), "--techniques", "sm", "--repeat", "10000", "--json", "b.json"]
+    process = subprocess.Popen(command, cwd=tmp_path, stderr=subprocess.PIPE, stdout=subprocess.PIPE)
+    time.sleep(1.0)
+    process.send_signal(signal.SIGTERM)
+    _, errors = process.communicate(timeout=60)
+    assert process.returncode == 130 and b"interrupted" in errors
+    assert not list(tmp_path.iterdir())
+
+
 USAGE_ERRORS = [
     ([], "subcommand"),
     (["paint"], "paint"),
@@ -311,6 +384,9 @@ USAGE_ERRORS = [
     (["render", "a.npz", "--backend", "metal"], "metal"),
     (["render", "a.npz", "--colour", "red"], "colour"),
     (["bench", "a.npz", "--repeat", "0"], "repeat"),
+    (["bench", "a.npz", "--rows", "r.json", "--techniques", "sm"], "--rows"),
+    (["bench", "a.npz", "--rows", "r.json", "--map-size", "64"], "--rows"),
+    (["render", "a.npz", "--rows", "r.json"], "--rows"),
 ]
 
 
