@@ -18,9 +18,9 @@ from numpy.typing import NDArray
 
 from .capture import CapturedFrame, CapturedLayer
 from .compare.border import TexelFunction
-from .compare.contour import trace_contour
+from .compare.contour import smooth_noise, trace_contour
 from .compare.footprint import compute_sun_extent, compute_texel_matrices, compute_view_positions
-from .compare.measures import LayerMeasures
+from .compare.measures import LIT_THRESHOLD, LayerMeasures
 from .compare.pixels import PixelClasses, compute_pixel_size
 from .compare.true_border import TrueBorder, find_usable
 from .snapshot import LightData, SceneSnapshot
@@ -82,8 +82,9 @@ class BorderSource:
         return TrueBorder(trace_contour(visible, self.samples), self._find_usable(classes))
 
     def get_of_values(self, values: NDArray[np.floating], classes: PixelClasses) -> TrueBorder:
-        """The border of a truth with values between 0 and 1, (h, w)."""
-        return TrueBorder(trace_contour(np.asarray(values, dtype=np.float32)), self._find_usable(classes))
+        """The border of a truth with values between 0 and 1, (h, w), of so many samples that they are noisy."""
+        smooth = smooth_noise(values, classes.comparable)
+        return TrueBorder(trace_contour(smooth), self._find_usable(classes), smooth >= LIT_THRESHOLD)
 
     def _find_usable(self, classes: PixelClasses) -> NDArray[np.bool_]:
         aux, snapshot = self._captured.aux, self._captured.snapshot

@@ -14,6 +14,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 LEVEL = 0.5
+# Sides of the squares that noisy values are averaged over, in pixels.
+NOISE_SIDES = (5, 15)
 # Corners of a cell of four samples, counter-clockwise from the lower left, and its edges between them.
 CORNERS_XY = np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]])
 EDGES = ((0, 1), (1, 2), (2, 3), (3, 0))
@@ -50,6 +52,40 @@ def average_over_pixel(truth: NDArray[np.bool_], samples: int) -> NDArray[np.flo
         for offset in range(side):
             counts += padded[offset : offset + length] if axis == 0 else padded[:, offset : offset + length]
     return counts.astype(np.float32) / np.float32(side * side)
+
+
+def average_values(values: NDArray[np.floating], counted: NDArray[np.bool_], side: int) -> NDArray[np.float64]:
+    """Means of the counted values (h, w) in the square of `side` x `side` pixels, odd, about each pixel; pixels that
+    aren't counted keep their own."""
+    total = _sum_squares(np.where(counted, values, 0.0), side)
+    number = _sum_squares(counted, side)
+    return np.where(counted, total / np.maximum(number, 1.0), values)
+
+
+def _sum_squares(picture: NDArray, side: int) -> NDArray[np.float64]:
+    """Sums (h, w) over the square about each pixel; nothing lies beyond the rim."""
+    for axis in (0, 1):
+        widths = [(side // 2 + 1, side // 2) if other == axis else (0, 0) for other in (0, 1)]
+        running = np.cumsum(np.pad(picture, widths), axis=axis, dtype=np.float64)
+        picture = running[side:] - running[:-side] if axis == 0 else running[:, side:] - running[:, :-side]
+    return picture
+
+
+def smooth_noise(values: NDArray[np.floating], counted: NDArray[np.bool_]) -> NDArray[np.float64]:
+    """A truth (h, w) of few samples, averaged so that its contour isn't ragged with noise: over squares of half the
+    penumbra's width (the median along the border), 5 to 15 pixels. On straight borders that moves nothing, and a shadow
+    has no corners finer than its penumbra."""
+    smooth = average_values(values, counted, NOISE_SIDES[0])
+    if min(values.shape) < 2:
+        return smooth
+    steep_y, steep_x = np.gradient(smooth)
+    near = counted & (np.abs(smooth - LEVEL) < 0.25)
+    steepness = np.hypot(steep_x, steep_y)[near]
+    if not (steepness > 0).any():
+        return smooth
+    width_px = 1.0 / float(np.median(steepness[steepness > 0]))
+    side = int(np.clip(width_px / 2, *NOISE_SIDES)) | 1
+    return smooth if side == NOISE_SIDES[0] else average_values(values, counted, side)
 
 
 def trace_contour(truth: NDArray, samples: int = 1) -> Contour:

@@ -155,7 +155,8 @@ def measure_layer(
     }
     if border is None:
         return LayerMeasures(values, pixel_count, faults)
-    found = measure_border(visibility, truth_lit, comparable, border, texels)
+    side = truth_lit if border.lit is None else border.lit
+    found = measure_border(visibility, side, comparable, border, texels)
     return LayerMeasures({**values, **found.values}, pixel_count, faults, found)
 
 

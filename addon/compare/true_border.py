@@ -32,10 +32,12 @@ class TrueBorder:
     """A light's true border, sorted into pixels. Serves all layers of the light.
 
     `contour`: of the whole picture's truth; `usable` (h, w): pixels in which a border is the shadow's (see
-    `find_usable`).
+    `find_usable`). `lit` (h, w): on which side of it the pixels' centres lie, if that isn't what the truth itself says
+    (where it is noisy).
     """
 
-    def __init__(self, contour: Contour, usable: NDArray[np.bool_]) -> None:
+    def __init__(self, contour: Contour, usable: NDArray[np.bool_], lit: NDArray[np.bool_] | None = None) -> None:
+        self.lit = lit
         height, width = usable.shape
         columns, rows = np.floor(contour.middles).astype(np.int64).T
         pixel = np.clip(rows, 0, height - 1) * width + np.clip(columns, 0, width - 1)

@@ -181,6 +181,30 @@ def test_soft_layer_counts_by_its_half():
     assert values["border_bias_px"] == pytest.approx(0.6, abs=0.05) and values["staircase_px"] < 0.08
 
 
+@pytest.mark.parametrize("width_px", [4.0, 12.0, 30.0])
+def test_noisy_truth_is_smoothed_enough(width_px):
+    """A penumbra of 64 samples per pixel, and a layer that knows it exactly, moved by half a pixel: most of the
+    staircase that the noise would give is gone, and the shift is right."""
+    _, across = edge_coordinates(*sample_centres(WIDTH, HEIGHT), 23.0)
+    truth = np.random.default_rng(3).binomial(64, np.clip(0.5 - across / width_px, 0.0, 1.0)) / 64.0
+    layer = np.clip(0.5 - (across - 0.5) / width_px, 0.0, 1.0)
+    everywhere = np.ones(truth.shape, bool)
+    found = []
+    for values in (truth, contour.smooth_noise(truth, everywhere)):
+        pieces = true_border.TrueBorder(contour.trace_contour(values), everywhere)
+        found.append(border.measure_border(layer, values >= 0.5, everywhere, pieces).values)
+    assert found[1]["staircase_px"] < 0.25 and found[1]["staircase_px"] < 0.6 * found[0]["staircase_px"]
+    assert found[1]["border_bias_px"] == pytest.approx(0.5, abs=0.1)
+
+
+def test_smoothing_leaves_aside_what_is_not_counted():
+    values = np.full((9, 11), 0.75)
+    counted = np.ones((9, 11), bool)
+    values[:, 7:], counted[:, 7:] = 0.0, False
+    np.testing.assert_allclose(contour.average_values(values, counted, 5), values)
+    assert contour.smooth_noise(np.ones((1, 1)), np.ones((1, 1), bool)).shape == (1, 1)
+
+
 # ---- what has no partner
 
 
