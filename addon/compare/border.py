@@ -84,7 +84,8 @@ def measure_border(
     """
     lit = np.where(np.isfinite(visibility), visibility >= LIT_THRESHOLD, ~truth)
     lit_border = find_layer_border(lit, comparable)
-    paired = border.usable & _find_partners(border.rows, border.columns, lit_border, texels)
+    paired = border.usable.copy()  # elsewhere there may be no surface, and so no texels
+    paired[paired] = _find_partners(border.rows[paired], border.columns[paired], lit_border, texels)
     length = float(border.lengths_px[paired].sum())
     lengths_px = {
         "compared": length,

@@ -19,6 +19,8 @@ from numpy.typing import NDArray
 
 # A spot wider than this is served by cube faces, because one frustum's texels would be stretched without bound.
 WIDEST_CONE_RAD = math.radians(120.0)
+# Depths are kept from 0 by this; its square is no 0 either.
+SHORTEST = 1e-150
 
 
 def compute_view_positions(
@@ -50,7 +52,7 @@ def compute_pixel_gradients(
     scale = np.array([width / (right - left), height / (top - bottom)])
     gradients = np.zeros((len(points_vs), 2, 3))
     if camera.perspective:
-        depth = np.maximum(-points_vs[:, 2], 1e-300)
+        depth = np.maximum(-points_vs[:, 2], SHORTEST)
         gradients[:, 0, 0] = scale[0] / depth
         gradients[:, 1, 1] = scale[1] / depth
         gradients[:, :, 2] = scale * points_vs[:, :2] / depth[:, None] ** 2
@@ -125,7 +127,7 @@ def compute_view_gradients(points_ls: NDArray[np.float64], view: Mapping[str, An
     """As `compute_texel_gradients`, by the core's own words on a map's view: "perspective" and "texel_size" (x, y) in
     the plane (x, y) / -z, or (x, y) where it isn't perspective."""
     gradients = np.zeros((len(points_ls), 2, 3))
-    depth = np.maximum(-points_ls[:, 2], 1e-300) if view["perspective"] else np.ones(len(points_ls))
+    depth = np.maximum(-points_ls[:, 2], SHORTEST) if view["perspective"] else np.ones(len(points_ls))
     for axis, size in enumerate(view["texel_size"]):
         gradients[:, axis, axis] = 1.0 / (depth * size)
         if view["perspective"]:

@@ -14,14 +14,15 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from .border import BORDER_VALUES, BorderMeasures, TexelFunction, measure_border
-from .distance import compute_nearest_distance
+from .border import BORDER_VALUES, LONGEST_SEARCH_PX, BorderMeasures, TexelFunction, measure_border
+from .distance import compute_nearest_distance, find_nearest_target
 from .true_border import TrueBorder
 
 LIT_THRESHOLD = 0.5
 # "Far" from the true border: more than this many pixels and more than this many of the map's texels.
 FAR_PX = 2.0
 FAR_TEXELS = 2.0
+FAINTEST_LIGHT = 0.5 / 255.0
 
 
 @dataclass(frozen=True)
@@ -48,6 +49,12 @@ MEASURES = (
     ),
     MeasureInfo("acne_fraction", "Acne", "fraction", "shadow more than 2 px and 2 texels from any true shadow"),
     MeasureInfo("leak_fraction", "Leak", "fraction", "light more than 2 px and 2 texels inside a true shadow"),
+    MeasureInfo(
+        "leak_weight",
+        "Leak weight",
+        "fraction",
+        "light, by its strength, 2 px and 2 texels inside full shadow",
+    ),
     MeasureInfo(
         "border_bias_px",
         "Shift (px)",
@@ -151,6 +158,7 @@ def measure_layer(
         "p99_border_distance_px": compute_p99(np.concatenate(distances)),
         "acne_fraction": int(counts[ACNE]) / pixel_count,
         "leak_fraction": int(counts[LEAK]) / pixel_count,
+        "leak_weight": compute_leak_weight(safe, truth, comparable, footprint_px) / pixel_count,
         **dict.fromkeys(BORDER_VALUES),
     }
     if border is None:
@@ -158,6 +166,22 @@ def measure_layer(
     side = truth_lit if border.lit is None else border.lit
     found = measure_border(visibility, side, comparable, border, texels)
     return LayerMeasures({**values, **found.values}, pixel_count, faults, found)
+
+
+def compute_leak_weight(
+    visibility: NDArray[np.floating],
+    truth: NDArray[np.bool_] | NDArray[np.floating],
+    comparable: NDArray[np.bool_],
+    footprint_px: FootprintFunction | None,
+) -> float:
+    """Sum of the layer's light over the pixels deep in full shadow: far from any with a truth above 0. Light fainter
+    than a picture of 8 bits shows is left out."""
+    rows, columns = np.nonzero(comparable & (truth == 0) & (visibility > FAINTEST_LIGHT))
+    texel_px = np.zeros(len(rows)) if footprint_px is None else footprint_px(rows, columns)
+    limit = np.minimum(np.maximum(FAR_PX, FAR_TEXELS * texel_px), LONGEST_SEARCH_PX)
+    farthest = float(limit.max(initial=FAR_PX)) + 0.5
+    distance = find_nearest_target(comparable & (truth > 0), rows, columns, farthest)[0] - 0.5
+    return float(np.clip(visibility[rows, columns], 0.0, 1.0)[distance > limit].sum())
 
 
 def compute_p99(distances: NDArray[np.float64]) -> float | None:

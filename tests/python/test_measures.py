@@ -124,6 +124,23 @@ def test_acne_is_speckle_far_from_shadow_and_leak_light_inside():
     assert result.faults[20, 30] == measures.WRONG_SHADOW and result.faults[20, 29] == measures.WRONG_LIGHT
 
 
+def test_leak_weight_counts_light_by_its_strength():
+    """A faint glow over a whole shadow, to its border: deep pixels count with what they glow, those near it don't."""
+    truth = np.broadcast_to(np.arange(60) >= 30, (40, 60))
+    layer = np.where(truth, 1.0, 0.125)
+    assert measure(layer, truth).values["leak_fraction"] == 0
+    deep = 30 - 2  # distances 0.5 and 1.5 aren't far
+    assert measure(layer, truth).values["leak_weight"] == pytest.approx(0.125 * deep * 40 / 2400)
+    wide = measure(layer, truth, footprint_px=lambda rows, columns: np.full(rows.shape, 5.0)).values
+    assert wide["leak_weight"] == pytest.approx(0.125 * (30 - 10) * 40 / 2400)
+    soft = np.where(truth, 1.0, np.where(np.arange(60) >= 20, 0.01, 0.0))  # a penumbra, in which light is due
+    assert measures.measure_layer(layer.astype(np.float32), soft, np.ones(soft.shape, bool)).values[
+        "leak_weight"
+    ] == pytest.approx(0.125 * (20 - 2) * 40 / 2400)
+    assert measure(truth.astype(float), truth).values["leak_weight"] == 0
+    assert measure(np.full((4, 4), 0.5), np.zeros((4, 4))).values["leak_weight"] == pytest.approx(0.5)
+
+
 def test_false_shadow_at_the_dark_side_is_no_acne():
     truth = np.ones((20, 20), bool)
     comparable = np.ones((20, 20), bool)
