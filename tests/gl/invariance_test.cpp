@@ -156,13 +156,15 @@ TEST_P(InvarianceOfTechnique, AFarSpotIsASun) {
             // Nearer than 1e5 the rays really do diverge, by up to a texel and a tenth of a pixel. So the maps are fine
             // enough to show the shadow and not their texels, and only pixels that change sides count.
             const bool is_near = times < 1e5;
+            // At 1e5 they still diverge by 1/200 texel, which a ramp one texel wide shows.
+            const float same = is_near ? 0.5f : times < 1e6 ? 3 * kSame : kSame;
             const std::int64_t map_size = is_near ? 4096 : 0;
             view.scene->lights = {sun};
             const std::vector<float> by_sun = render(view, GetParam(), map_size);
             view.scene->lights = {
                 make_light(LightKind::Spot, towards * distance, {0, 0, 0}, glm::degrees(40 / distance))};
             const std::vector<float> by_spot = render(view, GetParam(), map_size);
-            EXPECT_LE(count_differing(by_sun, by_spot, is_near ? 0.5f : kSame), kAllowed)
+            EXPECT_LE(count_differing(by_sun, by_spot, same), kAllowed)
                 << "distance " << times << " times the scene";
         }
     }
