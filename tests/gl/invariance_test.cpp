@@ -164,8 +164,7 @@ TEST_P(InvarianceOfTechnique, AFarSpotIsASun) {
             view.scene->lights = {
                 make_light(LightKind::Spot, towards * distance, {0, 0, 0}, glm::degrees(40 / distance))};
             const std::vector<float> by_spot = render(view, GetParam(), map_size);
-            EXPECT_LE(count_differing(by_sun, by_spot, same), kAllowed)
-                << "distance " << times << " times the scene";
+            EXPECT_LE(count_differing(by_sun, by_spot, same), kAllowed) << "distance " << times << " times the scene";
         }
     }
 }
