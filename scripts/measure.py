@@ -3,13 +3,14 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Measures what the product claims, prints tables and keeps the numbers in out/measure/.
 
-    scripts/measure.py [NAME ...]      accuracy speed cycles export memory cancel   (nothing: all)
+    scripts/measure.py [NAME ...]      accuracy orderings borders speed cycles export memory cancel   (nothing: all)
 
 Runs with the bpy 4.5 module. A figure over its bound is marked and makes the exit code 1. Times are ratios of medians
 within one process wherever the bound is a ratio; run it on a machine that does nothing else.
 """
 
 import argparse
+import importlib
 import json
 import os
 import platform
@@ -17,6 +18,8 @@ import subprocess
 import sys
 from dataclasses import dataclass, field
 from pathlib import Path
+
+import measure_orderings as orderings
 
 root = Path(__file__).resolve().parent.parent
 out = root / "out" / "measure"
@@ -121,6 +124,37 @@ def add_accuracy_rows(table: Table, scene: str, records: list[dict], bound: floa
                   bound or "", f"{100 * acne:.4f}", f"{100 * leak:.4f}", good=good)  # fmt: skip
 
 
+def measure_orderings() -> Table:
+    """What papers 003 and 004 say of their techniques, on the same settings."""
+    table = Table("Orderings, 1280 x 720, maps of 512", ["what", "scene", "technique", "figure", "bound", "beside it"])
+    scenes = {name: make_scene(name, name) for name in ("box", "jenga", orderings.kLeakScene)}
+    scenes["scorpion"] = make_model("scorpion")
+    runs = 0
+
+    def compare(scene: str, techniques: list[str], *options: object) -> list[dict]:
+        nonlocal runs
+        runs += 1
+        folder = out / "orderings" / f"{runs:02}_{scene}"
+        run(f"comparing {', '.join(techniques)} on {scene}", root / "addon" / "batch.py", scenes[scene], "compare",
+            "--techniques", ",".join(techniques), *orderings.kSettings, *options, "--out", folder)  # fmt: skip
+        return json.loads((folder / "comparison.json").read_text(encoding="utf-8"))["records"]
+
+    for row in orderings.measure(compare, tuple(name for name in orderings.kBorderScenes if scenes[name])):
+        table.add(*row.cells, good=row.good)
+    return table
+
+
+def measure_borders() -> Table:
+    """How well shift and staircase are found, by the truth's samples: edges known in closed form."""
+    sys.path.insert(0, str(root / "tests" / "python"))
+    edges = importlib.import_module("analytic_edges")
+    table = Table("Errors of the measures of borders (px): RMS, largest; without a staircase: mean, largest",
+                  ["samples", "shift", "staircase", "none"])  # fmt: skip
+    for row in edges.make_table():
+        table.add(*row)
+    return table
+
+
 def measure_speed() -> Table:
     table = Table("Frame and layer, 1280 x 720, maps of 1024, camera and light moved each time (median ms)",
                   ["scene", "sm", "pcf", "edsm", "edsm/sm", "bound"])  # fmt: skip
@@ -191,6 +225,8 @@ def measure_cancel() -> Table:
 
 kMeasures = {
     "accuracy": measure_accuracy,
+    "orderings": measure_orderings,
+    "borders": measure_borders,
     "speed": measure_speed,
     "cycles": measure_cycles,
     "export": measure_export,

@@ -105,14 +105,22 @@ def compute_errors(samples):
     return np.array(shift_errors), np.array(stair_errors), np.array(floors)
 
 
-def main():
-    print("samples per pixel  shift: RMS, worst  staircase: RMS, worst  without one: mean, worst")
+def make_table():
+    """Rows of text: samples, then the errors of shift and staircase, and the staircase found where there is none."""
+    rows = []
     for samples in (0, 1, 2, 3, 4, 5, 8):
         cells = [f"{samples} x {samples}" if samples else "traced layer"]
         for number, errors in enumerate(compute_errors(samples)):
             mean = errors.mean() if number == 2 else np.sqrt((errors**2).mean())
             cells.append(f"{mean:.3f}, {np.abs(errors).max():.3f}")
-        print("{:19}{:20}{:24}{}".format(*cells))
+        rows.append(cells)
+    return rows
+
+
+def main():
+    print("samples per pixel  shift: RMS, worst  staircase: RMS, worst  without one: mean, worst")
+    for row in make_table():
+        print("{:19}{:20}{:24}{}".format(*row))
 
 
 if __name__ == "__main__":
