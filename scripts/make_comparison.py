@@ -183,8 +183,8 @@ def make_page(drawn: list[dict[str, Any]]) -> str:
         "# The techniques side by side",
         "",
         "Made by `make docs` from `scripts/comparison_figures.toml`; don't edit it by hand. Every panel is a layer",
-        "(white: lit) of the same part of a 1280 x 720 picture, one sample a pixel, enlarged without smoothing; the truth",
-        "is Cycles' (grey: not compared). Measured: [benchmark.md](benchmark.md).",
+        "(white: lit) of the same part of a 1280 x 720 picture, one sample a pixel, enlarged without smoothing; the",
+        "truth is Cycles' (grey: not compared). Measured: [benchmark.md](benchmark.md).",
     ]
     for entry in drawn:
         figure = entry["figure"]

@@ -14,7 +14,7 @@ import scene_kit as kit
 
 kBlades = 18
 kInnerM, kOuterM = 0.35, 2.6  # where the blades begin and end
-kHeightM = 0.4
+kHeightM = 0.9
 kThicknessM = 0.02
 kOpen = 0.5  # part of the turn that is open
 
@@ -34,15 +34,21 @@ def make_blades() -> kit.Shape:
     return kit.joined(blades)
 
 
+def add_options(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument(
+        "--hide-blades", action="store_true", help="the camera sees only the plane and the shadows on it"
+    )
+
+
 def build(options: argparse.Namespace) -> None:
-    del options
     half = 30.0
     plane = kit.Shape([[-half, -half, 0], [half, -half, 0], [half, half, 0], [-half, half, 0]], [[0, 1, 2, 3]])
     kit.add_object("Plane", plane, material=kit.new_material("Plaster", (0.70, 0.69, 0.66)))
-    kit.add_object("Blades", make_blades(), material=kit.new_material("Steel", (0.45, 0.50, 0.56), 0.4))
+    blades = kit.add_object("Blades", make_blades(), material=kit.new_material("Steel", (0.45, 0.50, 0.56), 0.4))
+    blades.visible_camera = not options.hide_blades
     kit.add_light("SUN", "Sun", (-2.0, -1.1, 4.0), (0, 0, 0), 3.0, color=(1.0, 0.95, 0.88), angle=math.radians(0.526))
     kit.add_camera((1.4, -5.6, 5.0), (0.35, 0.1, 0.0), lens_mm=40)
 
 
 if __name__ in ("__main__", "<run_path>"):
-    kit.main(build, __doc__)
+    kit.main(build, __doc__, add_options)
