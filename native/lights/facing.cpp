@@ -28,6 +28,14 @@ Facing FacingRule::classify(std::size_t pixel) const {
     return glm::dot(glm::dvec3(frame_.normals[pixel]), to_light) > 0 ? Facing::Lit : Facing::TurnedAway;
 }
 
+double FacingRule::get_weight(std::size_t pixel) const {
+    const glm::dvec3 to_light = get_to_light(pixel);
+    const double apart = glm::length(to_light);
+    const double cosine = glm::dot(glm::dvec3(frame_.normals[pixel]), to_light) / apart;
+    if (light_.kind != LightKind::Area) return cosine;
+    return cosine * glm::dot(axes_[2], to_light) / (apart * apart * apart);
+}
+
 void fill_unoccluded_visibility(const Frame& frame, const Light& light, std::span<const LightPosition> positions,
                                 std::span<float> visibility, ThreadPool* threads) {
     std::vector<FacingRule> rules;
@@ -35,8 +43,13 @@ void fill_unoccluded_visibility(const Frame& frame, const Light& light, std::spa
     const auto fill = [&](std::size_t begin, std::size_t end) {
         for (std::size_t pixel = begin; pixel < end; ++pixel) {
             float sum = 0;
-            for (const FacingRule& rule : rules) sum += get_unoccluded_visibility(rule.classify(pixel));
-            visibility[pixel] = rules.empty() ? 1.0f : sum / float(rules.size());
+            bool is_lit = rules.empty();
+            for (const FacingRule& rule : rules) {
+                const Facing facing = rule.classify(pixel);
+                sum += get_unoccluded_visibility(facing);
+                is_lit = is_lit || facing == Facing::Lit;
+            }
+            visibility[pixel] = is_lit ? 1.0f : sum / float(rules.size());
         }
     };
     if (threads)

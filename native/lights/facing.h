@@ -45,6 +45,9 @@ public:
         return glm::length(across) * cone_cos_ <= (along + slack * glm::length(to_light)) * cone_sin_;
     }
     bool is_linked(std::uint32_t instance) const;
+    /// What this position of the light brings to a pixel that it lights, against the light's other positions: by the
+    /// cosine at the receiver; of an area light also by that at the light and by the distance.
+    double get_weight(std::size_t pixel) const;
 
 private:
     const Frame& frame_;
@@ -55,7 +58,8 @@ private:
     glm::dvec3 to_light_, light_rel_;
 };
 
-/// The layer of a light that casts no shadows: get_unoccluded_visibility of every pixel, averaged over the positions.
+/// The layer of a light that casts no shadows: get_unoccluded_visibility of every pixel. Of many positions those that
+/// light the pixel decide: what a part of the light shines on is in no shadow, though it is turned from the rest.
 void fill_unoccluded_visibility(const Frame& frame, const Light& light, std::span<const LightPosition> positions,
                                 std::span<float> visibility, ThreadPool* threads = nullptr);
 

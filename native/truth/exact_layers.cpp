@@ -199,16 +199,23 @@ struct ExactLayers::Impl {
         });
     }
 
+    // Light with shadows by light without them, as Cycles's ratio; where no position brings light, the plain mean.
     std::vector<float> compute_soft(const Light& light) {
-        const auto positions = sample_light_shape(light, kLightPositions);
-        std::vector<double> sum(frame.pixel_count());
+        const auto positions = sample_light_shape(light, kLightPositions, LightPattern::Spiral);
+        std::vector<double> lit(frame.pixel_count()), all(frame.pixel_count()), plain(frame.pixel_count());
         for (const LightPosition& position : positions) {
             const std::vector<float> mask = compute_hard(light, position);
-            for (std::size_t pixel = 0; pixel < sum.size(); ++pixel) sum[pixel] += mask[pixel];
+            const FacingRule rule(frame, light, position);
+            for (std::size_t pixel = 0; pixel < mask.size(); ++pixel) {
+                const double weight = rule.classify(pixel) == Facing::Lit ? rule.get_weight(pixel) : 0;
+                lit[pixel] += weight * mask[pixel];
+                all[pixel] += weight;
+                plain[pixel] += mask[pixel] / double(positions.size());
+            }
         }
-        std::vector<float> mean(sum.size());
-        for (std::size_t pixel = 0; pixel < sum.size(); ++pixel)
-            mean[pixel] = float(sum[pixel] / double(positions.size()));
+        std::vector<float> mean(lit.size());
+        for (std::size_t pixel = 0; pixel < mean.size(); ++pixel)
+            mean[pixel] = float(all[pixel] > 0 ? lit[pixel] / all[pixel] : plain[pixel]);
         return mean;
     }
 

@@ -134,6 +134,15 @@ TEST(LightShape, ManyPositionsSpreadOverTheShape) {
     EXPECT_EQ(sample_light_shape(light, 1)[0].position_ws, glm::dvec3(light.world_from_light[3]));
 }
 
+TEST(Facing, WhatAPartOfTheLightShinesOnIsInNoShadow) {
+    const Frame frame = frame_of({{{0, 0, 0}, {0, 0, 1}}, {{0, 0, 0}, {1, 0, 0}}, {{0, 0, 0}, {0, 0, -1}}});
+    Light light = testing::make_light(LightKind::Sun, {0, 0, 5}, {0, 0, 0});
+    light.sun_angle = 0.2;
+    std::vector<float> visibility(3);
+    fill_unoccluded_visibility(frame, light, sample_light_shape(light, 16), visibility);
+    EXPECT_EQ(visibility, (std::vector<float>{1, 1, 0}));  // the wall sees half of the sun
+}
+
 TEST(Facing, ThreadsDoNotChangeTheResult) {
     std::vector<Receiver> receivers;
     for (int i = 0; i < 100000; ++i)
