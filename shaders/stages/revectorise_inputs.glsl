@@ -29,16 +29,24 @@ void fetch_fragment(ivec2 pixel) {
     fragment.place = fragment.point.texel - corner;
 }
 
-// Followed towards the light only (reference_depth), so that the test of the fragment's own texel is that of sm. One
-// depth for all has to hold for the neighbours' centres at least: they are up to 3/2 texels away on one axis.
+// The receiver's plane, by the rule of reference_depth round the fragment, so that its own texel's test is that of sm.
+// Walks go farther: where the plane falls away from the light it is followed too, but a texel and a half behind. Kept
+// back, a walk down a slope would leave the shadow of a near caster; followed closely, fine meshes would shade
+// themselves (docs/techniques/smsr.md has the figures).
+// One depth for all has to hold for the neighbours' centres at least: they are up to 3/2 texels away on one axis.
+const float kLagTexels = 1.5;
+
 float reference_at(vec2 centre) {
+    vec2 offset = centre - fragment.point.texel;
+    vec2 slope = fragment.point.gradient;
 #if FOLLOW_SLOPE
-    return reference_depth(fragment.point, centre - fragment.point.texel);
+    float rise = dot(slope, offset);
+    float reach = max(max(abs(offset.x), abs(offset.y)), kLagTexels);
+    rise = max(rise, rise * (1.0 - kLagTexels / reach));
 #else
-    vec2 slope = abs(fragment.point.gradient);
-    return max(fragment.point.depth_rz + 0.5 * (slope.x + slope.y) + max(slope.x, slope.y) + fragment.point.rounding,
-               0.0);
+    float rise = 0.5 * (abs(slope.x) + abs(slope.y)) + max(abs(slope.x), abs(slope.y));
 #endif
+    return max(fragment.point.depth_rz + rise + fragment.point.rounding, 0.0);
 }
 
 float test_texel(vec2 centre) {

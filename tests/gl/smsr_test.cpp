@@ -162,18 +162,19 @@ TEST_F(RevectorisedTest, CurvedReceiversComeNearerToTheTruthThanTheShadowMap) {
 }
 
 TEST_F(RevectorisedTest, BordersCrossCubeFacesWithoutASeam) {
-    // The border of a half-plane's shadow runs slanting over the rim between two faces of a point light's cube.
+    // The border of a half-plane's shadow runs slanting over the rim between two faces of a point light's cube, in
+    // steps of tens of texels: each is whole only if walks see beyond the rim.
     SceneView view;
     view.width = 480, view.height = 270;
     view.place(view.add("ground", make_plane(30)));
-    view.place(view.add("half", make_plane(12)), placement({0, 6, 1}, 5), kInstanceShadow);
+    view.place(view.add("half", make_plane(12)), placement({0, 6, 1}, 3.3), kInstanceShadow);
     view.camera = make_camera({3, -5, 8}, {3, 0.5, 0}, view.width, view.height, 50);
     const glm::dvec3 place(0.11, -0.17, 3);
     view.scene->lights = {make_light(LightKind::Point, place, {1, 0.4, 0.2})};
     const RayOracle oracle(view.scene);
     for (const Variant& variant : {Variant{"smsr", with_mode("half")}, {"smsr2", with_mode("half")}, {"rsmss", {}}}) {
         ParameterValues values = variant.parameters;
-        values.set("map_size", std::int64_t{256});
+        values.set("map_size", std::int64_t{64});
         values.set("walk_limit", std::int64_t{64});
         const auto run = runner_.render(view, variant.technique, values);
         const auto truth = oracle.compute_visibility(*run.frame, view.scene->lights[0], run.positions[0]);
@@ -182,13 +183,14 @@ TEST_F(RevectorisedTest, BordersCrossCubeFacesWithoutASeam) {
             for (int x = 0; x < view.width; ++x) {
                 const std::size_t pixel = std::size_t(y * view.width + x);
                 const glm::dvec3 at = glm::dvec3(run.frame->positions_rel[pixel]) + run.frame->origin_ws;
-                const bool at_rim = std::abs(std::abs(at.x - place.x) / place.z - 1.0) < 0.15;
+                const bool at_rim = std::abs(std::abs(at.x - place.x) / place.z - 1.0) < 0.25;
                 wrong[at_rim] += (truth[pixel] >= 0.5f) != (run.visibility()[pixel] >= 0.5f);
                 border[at_rim] += truth[pixel] != truth[pixel + std::size_t(view.width)];
             }
         ASSERT_GT(border[0], 50);
         ASSERT_GT(border[1], 25);
         EXPECT_LT(wrong[1] / border[1], 1.5 * wrong[0] / border[0] + 0.1) << variant.technique;
+        EXPECT_LT(wrong[0] / border[0], 0.3) << variant.technique;  // the ground falls away steeply on the second face
     }
 }
 
