@@ -89,7 +89,7 @@ def test_box_shadow_has_the_outline_of_the_closed_form(open_scene, kind):
     assert wrong.mean() < 2e-3
 
 
-@pytest.mark.parametrize("wanted", [100, 15_000, 750_000])
+@pytest.mark.parametrize("wanted", [100, 15_000, 200_000])
 def test_knot_has_about_the_triangles_asked_for_and_is_closed(open_scene, wanted):
     open_scene("knot", "--triangles", str(wanted))
     mesh = bpy.data.meshes["Knot"]
