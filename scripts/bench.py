@@ -214,7 +214,8 @@ def main() -> int:
         for table in plan:
             for method in table.missing:
                 say(f"{table.name}: {method} is missing in this build")
-            entry = {"id": table.name, "title": table.title, "missing": table.missing, "runs": []}
+            entry = {"id": table.name, "title": table.title, "missing": table.missing, "against": table.against,
+                     "runs": []}  # fmt: skip
             tables.append(entry)
             for run in table.runs:
                 entry["runs"].append(bench.measure(run))

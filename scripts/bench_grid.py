@@ -81,6 +81,7 @@ class Table:
     name: str
     title: str
     axes: dict[str, list]
+    against: list[str] = field(default_factory=list)  # methods that times are told as ratios to, beside sm
     runs: list[Run] = field(default_factory=list)
     missing: list[str] = field(default_factory=list)  # methods whose technique the core does not have
 
@@ -94,7 +95,7 @@ class Grid:
     tables: list[dict[str, Any]]
 
 
-TABLE_KEYS = {"id", "title", "scenes", "resolutions", "rows", "axes", "errors", "repeat", "warm_up", "quick"}
+TABLE_KEYS = {"id", "title", "scenes", "resolutions", "rows", "axes", "against", "errors", "repeat", "warm_up", "quick"}
 QUICK_KEYS = TABLE_KEYS - {"id", "title", "quick"}
 
 
@@ -190,6 +191,8 @@ def check_table(grid: Grid, entry: dict[str, Any]) -> str:
             followed = any(axis in method.axes for method in grid.methods.values())
             require(followed, f"{where}: no method follows the axis {axis}")
         require(isinstance(part["rows"], list) and bool(part["rows"]), f"{where}: rows is no list with anything in it")
+        unknown = [one for one in part.get("against", []) if one not in grid.methods]
+        require(not unknown, f"{where}: against: there is no method {', '.join(map(str, unknown))}")
         for row in part["rows"]:
             split_row(grid, where, row, part["axes"])
     return name
@@ -239,7 +242,7 @@ def lay_out(grid: Grid, *, techniques: list[dict], only: list[str], quick: bool)
 
 def lay_out_table(grid: Grid, part: dict[str, Any], known: dict[str, dict], quick: bool) -> Table:
     where = f"table {part['id']}"
-    table = Table(part["id"], part["title"], part["axes"])
+    table = Table(part["id"], part["title"], part["axes"], list(part.get("against", [])))
     rows = [made for row in part["rows"] for made in expand_row(grid, where, row, part["axes"])]
     table.missing = list(dict.fromkeys(row.method for row in rows if row.technique not in known))
     rows = [row for row in rows if row.technique in known]

@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any
 
 STAGES_SHOWN = 5  # the longest ones of a layer
@@ -26,7 +27,7 @@ def make_page(document: dict[str, Any]) -> str:
         if table["missing"]:
             lines += ["", f"Missing, not in this build: {', '.join(table['missing'])}."]
         for run in table["runs"]:
-            lines += ["", *make_run(run)]
+            lines += ["", *make_run(run, table.get("against", []))]
     return "\n".join(lines) + "\n"
 
 
@@ -40,7 +41,7 @@ def make_facts(machine: dict[str, Any]) -> list[str]:
     return ["| machine | |", "| --- | --- |", *(f"| {text} | {value} |" for text, value in facts)]
 
 
-def make_run(run: dict[str, Any]) -> list[str]:
+def make_run(run: dict[str, Any], against: Sequence[str] = ()) -> list[str]:
     """Heading, head and rows of one scene in one resolution, or why there are none."""
     head = f"### {run['scene']}, {run['resolution']}"
     if run.get("skipped"):
@@ -50,23 +51,44 @@ def make_run(run: dict[str, Any]) -> list[str]:
     records = run["records"]
     axes = list(dict.fromkeys(axis for record in records for axis in record["place"]))
     with_errors = any(record["errors"] for record in records)
-    columns = ["technique", *axes, "render", "ratio", "layer ratio", "resolve ratio"]
+    columns = [
+        "technique",
+        *axes,
+        "render",
+        "ratio",
+        *(f"to {name}" for name in against),
+        "layer ratio",
+        "resolve ratio",
+    ]
     columns += ["own", "truth", "wrong"] if with_errors else []
     columns.append("stages")
     lines = [f"{head}, {records[0]['triangles']:,} triangles, {records[0]['render_ms']['count']} rounds", ""]
     lines += [make_line(columns), make_line(["---"] * len(columns))]
-    return lines + [make_line(make_cells(record, axes, with_errors)) for record in records]
+    for record in records:
+        others = [compute_ratio(record, records, name) for name in against]
+        lines.append(make_line(make_cells(record, axes, others, with_errors)))
+    return lines
+
+
+def compute_ratio(record: dict[str, Any], records: Sequence[dict[str, Any]], method: str) -> float | None:
+    """The record's median by that of another method at the same place, as far as both have the axes."""
+    for other in records:
+        shared = set(record["place"]) & set(other["place"])
+        if other["method"] == method and all(record["place"][axis] == other["place"][axis] for axis in shared):
+            return record["render_ms"]["median"] / other["render_ms"]["median"]
+    return None
 
 
 def make_line(cells: list[str]) -> str:
     return "| " + " | ".join(cells) + " |"
 
 
-def make_cells(record: dict[str, Any], axes: list[str], with_errors: bool) -> list[str]:
+def make_cells(record: dict[str, Any], axes: list[str], others: Sequence[float | None], with_errors: bool) -> list[str]:
     cells = [f"`{record['method']}`", *(str(record["place"].get(axis, "")) for axis in axes)]
     cells.append(describe_spread(record["render_ms"], 1))
     ratio = record["ratio_to_sm_spread"]
     cells.append(describe_spread(ratio, 2) if ratio else "")
+    cells += [describe_number(value, 2) for value in others]
     cells.append(describe_number(record["layers_ratio_to_sm"], 2))
     cells.append(describe_number(record["stage_ratio_to_sm"].get("resolve"), 2))
     if with_errors:

@@ -150,7 +150,7 @@ class Painter:
             say(f"the {kind} truth of {figure['scene']}, by Cycles")
             out = blend.parent / f"truth_{kind}"
             call(f"the {kind} truth of {figure['scene']}", self.python, root / "addon" / "batch.py", blend, "compare",
-                 "--techniques", "sm", "--truth", kind, "--out", out,
+                 "--techniques", "sm", "--truth", kind, "--border-samples", 1, "--out", out,
                  SHADOW_LAYERS_NATIVE=str(self.build / "python"))  # fmt: skip
             records = json.loads((out / "comparison.json").read_text(encoding="utf-8"))["records"]
             self._truths[key] = out / records[0]["truth_picture"]

@@ -149,6 +149,7 @@ BAD = [
     (("tables", 0, "rows"), [{"method": "pcf", "radius": 1}], "radius"),
     (("tables", 0, "axes"), {"map_size": []}, "map_size"),
     (("tables", 0, "axes"), {"colour": [1]}, "colour"),
+    (("tables", 0, "against"), ["edsm"], "edsm"),
     (("tables", 0, "repeat"), 0, "repeat"),
     (("tables", 0, "repeat"), True, "repeat"),
     (("tables", 0, "quick"), {"scenes": ["castle"]}, "castle"),
@@ -241,6 +242,21 @@ def test_tables_tell_medians_ratios_errors_and_what_is_not_there():
     tables = [line for line in lines if line.startswith("|")]
     widths = {line.count("|") for line in tables[tables.index(pcf) - 3 : tables.index(pcf) + 1]}
     assert len(widths) == 1, "every row has as many cells as the head"
+
+
+def test_ratios_to_other_methods_are_taken_at_the_same_place():
+    import bench_tables
+
+    def record(method, ms, **place):
+        return make_record(method=method, place=place, render_ms=make_record()["render_ms"] | {"median": ms})
+
+    records = [record("sm", 10, map_size=64), record("pcf", 20, map_size=64, kernel=3), record("pcf", 80, map_size=64, kernel=9),
+               record("rpcf", 40, map_size=64, kernel=9), record("rpcf", 30, map_size=128, kernel=3)]  # fmt: skip
+    ratios = [bench_tables.compute_ratio(one, records, "pcf") for one in records]
+    assert ratios == [0.5, 1.0, 1.0, 0.5, None]
+    lines = bench_tables.make_run({"scene": "box", "resolution": "HD", "records": records}, ["pcf"])
+    assert "| ratio | to pcf | layer ratio |" in lines[2]
+    assert len({line.count("|") for line in lines[2:]}) == 1
 
 
 @pytest.fixture
