@@ -77,7 +77,7 @@ class BorderSource:
         if self.samples > 1:
             fine = refine(self._captured.snapshot, self.samples)
             with TruthStore(self._scene, self._view_layer, fine, **self._store_options) as store:
-                visible = store.get_light(light)[0].visible
+                visible = store.get_reached(light)
             self.notes += store.notes
         return TrueBorder(trace_contour(visible, self.samples), self._find_usable(classes))
 

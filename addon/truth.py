@@ -108,6 +108,17 @@ class CyclesTruth:
             shadowed, open_sky, times_ms = self._render_pair(guard, light_object, light)
         return compute_light_truth(shadowed, open_sky, times_ms)
 
+    def render_reached(self, name: str) -> tuple[NDArray[np.bool_], float]:
+        """The pixels (h, w) that any light of that light object reaches, made hard, and the wall time in ms: half the
+        work of `render_light`, where nothing more is wanted. Raises TruthError."""
+        light_object = find_light_object(name)
+        with SceneGuard() as guard:
+            self._darken_lights(guard, light_object)
+            guard.set(light_object, "data", make_hard_light(guard, light_object))
+            guard.set(light_object, "visible_diffuse", True)
+            pixels, time_ms = self._render(self._diffuse_material)
+        return pixels[..., 0] > 0.0, time_ms
+
     def render_soft_light(self, name: str, sample_count: int) -> SoftTruth:
         """The shadow of that light object in its real size. `sample_count` per pixel is rounded up to a multiple of
         SOFT_RENDERS. Raises TruthError."""

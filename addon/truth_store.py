@@ -156,6 +156,19 @@ class TruthStore:
         })  # fmt: skip
         return truth, False
 
+    def get_reached(self, light: LightData) -> NDArray[np.bool_]:
+        """The pixels (h, w) that the light, made hard, reaches: for where a border lies. Raises TruthError."""
+        self._check_alone(light)
+        light_key = compute_light_key(self._scene_key, light) if self._cache is not None else ""
+        key = compute_key(light_key, {"truth": "reached"})
+        found = self._load(key)
+        if found is not None:
+            width = int(found["width"])
+            return np.unpackbits(found["reached"], axis=1, count=width).astype(bool)
+        reached, _ = self._get_cycles().render_reached(light.name)
+        self._store(key, {"reached": np.packbits(reached, axis=1), "width": np.int64(reached.shape[1])})
+        return reached
+
     def get_soft(self, light: LightData, sample_count: int) -> tuple[SoftTruth, bool]:
         """The truth of a light in its real size, and whether it came from the cache. Raises TruthError."""
         self._check_alone(light)

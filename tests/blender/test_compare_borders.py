@@ -7,6 +7,7 @@ import json
 import math
 
 import bpy
+import numpy as np
 import pytest
 from mathutils import Matrix, Vector
 
@@ -99,6 +100,26 @@ def test_border_of_one_sample(compare):
     record = document["records"][0]
     assert record["border"]["samples"] == 1
     assert record["measures"]["staircase_texels"] == pytest.approx(1 / math.sqrt(12), abs=0.12)
+
+
+def test_pixels_reached_are_those_of_the_hard_truth(module, blend, tmp_path):
+    """One render in place of two gives the same mask; from the cache too."""
+    bpy.ops.wm.open_mainfile(filepath=str(blend))
+    scene = bpy.context.scene
+    layer = scene.view_layers[0]
+    with module("truth").CyclesTruth(scene, layer, 123, 77) as cycles:
+        for name in LIGHTS:
+            visible = cycles.render_light(name).visible
+            assert np.array_equal(cycles.render_reached(name)[0], visible) and 0 < visible.mean() < 1
+    scene.shadow_layers.techniques = {"sm"}
+    captured = module("batch_render").render_frame(scene, 1)[0][0]
+    masks = []
+    for _ in range(2):
+        with module("truth_store").TruthStore(scene, layer, captured.snapshot, folder=tmp_path) as store:
+            masks.append([store.get_reached(light) for light in captured.snapshot.lights])
+            assert (store._cycles is None) == (len(masks) == 2)
+    for one, other in zip(*masks, strict=True):
+        assert one.dtype == bool and np.array_equal(one, other) and one.shape == (160, 240)
 
 
 @pytest.mark.parametrize("move", ["light", "camera"])
