@@ -41,6 +41,7 @@ def compute_filtered_truth(
     sample_count: int,
     *,
     wanted: NDArray[np.bool_],
+    threads: int = 0,
 ) -> FilteredTruth:
     """The truth at the pixels `wanted` (h, w), which must face the light. `captured` has the aux pictures "position"
     and "ids". Raises TruthError."""
@@ -69,6 +70,7 @@ def compute_filtered_truth(
         receivers=receivers,
         footprint=footprint,
         sample_count=sample_count,
+        threads=threads,
     )
     visibility, error = np.ones(wanted.shape, np.float32), np.zeros(wanted.shape, np.float32)
     visibility[wanted], error[wanted] = found.visibility, found.error

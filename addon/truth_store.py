@@ -209,7 +209,9 @@ class TruthStore:
             return FilteredTruth(found["visibility"], found["error"], *numbers), True
         if self._triangles is None:
             self._triangles = gather_triangles(self._snapshot)
-        truth = compute_filtered_truth(captured, self._triangles, layer, footprint, sample_count, wanted=wanted)
+        truth = compute_filtered_truth(
+            captured, self._triangles, layer, footprint, sample_count, wanted=wanted, threads=self._threads
+        )
         self._store(key, {
             "visibility": truth.visibility,
             "error": truth.error,

@@ -15,7 +15,9 @@ the standard error.
 
 from __future__ import annotations
 
+import os
 from collections.abc import Sequence
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 
 import numpy as np
@@ -27,9 +29,9 @@ from .receiver_sheet import Surfaces, find_surfaces
 from .sample_points import LATTICES, PixelSamples
 from .scene_triangles import SceneTriangles
 
-# Pairs of pixel and triangle at once: what fits the processor's caches, and memory for all their samples.
+# Pairs of pixel and triangle at once, and samples of pairs: what fits a processor's caches.
 PAIRS_AT_ONCE = 1 << 17
-SAMPLES_AT_ONCE = 1 << 22
+SAMPLES_AT_ONCE = 1 << 18
 
 
 @dataclass(frozen=True)
@@ -49,10 +51,11 @@ def compute_filtered_visibility(
     receivers: Receivers,
     footprint: Footprint,
     sample_count: int,
+    threads: int = 0,
 ) -> FilteredVisibility:
     """The truth of receivers that face the light. `casters`: the triangles that cast. `views`: of the light's maps, as
     a layer tells them; a receiver belongs to the one in whose pyramid it lies. `sample_count` is rounded up to a
-    multiple of four."""
+    multiple of four. `threads` (0: one for each processor) doesn't change the result."""
     count = len(receivers.points_ws)
     visibility, error = np.ones(count, np.float32), np.zeros(count, np.float32)
     sampled = 0
@@ -73,7 +76,7 @@ def compute_filtered_visibility(
         for group in group_by_size(squares):
             caster = _Caster(triangles, seen, squares.take(group), receivers.pixel[rows[group]], sample_count)
             caster.casts = is_caster[seen.index]
-            caster.cast()
+            caster.cast(threads)
             visibility[rows[group]], error[rows[group]] = caster.visibility, caster.error
             sampled += caster.sampled_count
     return FilteredVisibility(visibility, error, sampled)
@@ -97,37 +100,37 @@ class _Caster:
             low, high, reach = np.full(2, -np.inf), np.full(2, np.inf), np.zeros(2)
         self._bins = LightBins(seen, low, high, reach) if np.isfinite(low).all() else None
 
-    def cast(self) -> None:
+    def cast(self, threads: int) -> None:
         """Fills visibility, error and sampled_count."""
         squares, seen = self._squares, self._seen
         if self._bins is None:
-            entries = np.arange(len(seen.index))
+            entries, lows, highs = np.arange(len(seen.index)), seen.low, seen.high
             first, count = np.zeros(len(squares.place), np.int64), np.full(len(squares.place), len(entries))
         else:
-            entries = self._bins.entries
+            entries, lows, highs = self._bins.entries, self._bins.low, self._bins.high
             first, count = self._bins.find(squares.place)
+        square_lows, square_highs = squares.place - squares.half, squares.place + squares.half
         order = np.argsort(first, kind="stable")
         order = order[count[order] > 0]
-        ends = np.cumsum(count[order])
-        begin = 0
-        while begin < len(order):
-            done = ends[begin - 1] if begin else 0
-            end = max(begin + 1, int(np.searchsorted(ends, done + PAIRS_AT_ONCE, side="right")))
-            rows = order[begin:end]
+
+        def cast_part(part: slice) -> int:
+            rows = order[part]
             counts = count[rows]
             row = np.repeat(rows, counts)
             start = np.repeat(first[rows] - (np.cumsum(counts) - counts), counts)
-            self._cast_pairs(row, entries[start + np.arange(len(row))])
-            begin = end
+            at = start + np.arange(len(row))
+            touches = (highs[at] >= square_lows[row]) & (lows[at] <= square_highs[row])
+            touches = touches[:, 0] & touches[:, 1]
+            return self._cast_pairs(row[touches], entries[at[touches]])
 
-    def _cast_pairs(self, row: NDArray[np.int64], seen_row: NDArray[np.int64]) -> None:
-        """Pairs of pixel and triangle; all of a pixel's triangles are there, and follow one another."""
+        # Parts write to pixels of their own, and NumPy lets go of the interpreter's lock in all that takes time.
+        with ThreadPoolExecutor(threads or os.cpu_count()) as pool:
+            self.sampled_count = sum(pool.map(cast_part, cut(count[order], PAIRS_AT_ONCE)))
+
+    def _cast_pairs(self, row: NDArray[np.int64], seen_row: NDArray[np.int64]) -> int:
+        """Pairs of pixel and triangle; all of a pixel's triangles are there, and follow one another. Returns how many
+        pixels were sampled."""
         squares, seen = self._squares, self._seen
-        touches = (
-            (seen.high[seen_row] >= squares.place[row] - squares.half[row])
-            & (seen.low[seen_row] <= squares.place[row] + squares.half[row])
-        ).all(axis=1)  # fmt: skip
-        row, seen_row = row[touches], seen_row[touches]
         edges, low, high = self._compute_edges(row, seen_row)
         touches = (high >= 0).all(axis=1)
         row, seen_row, edges, low = row[touches], seen_row[touches], edges[touches], low[touches]
@@ -151,7 +154,7 @@ class _Caster:
         # The others without a blocker are lit. The receiver's own triangles are needed to tell where it ends.
         left = (self._mark(row[blocks]) & ~dark)[row] & (before | surfaces.own)
         part = Surfaces(surfaces.own[left], surfaces.met[left])
-        self._sample(row[left], edges[left], rise[left], part)
+        return self._sample(row[left], edges[left], rise[left], part)
 
     def _mark(self, rows: NDArray[np.int64]) -> NDArray[np.bool_]:
         """Which of the squares are among `rows`."""
@@ -168,27 +171,28 @@ class _Caster:
         spread = 0.5 * (np.abs(edges[..., 1]) + np.abs(edges[..., 2]))
         return edges, edges[..., 0] - spread, edges[..., 0] + spread
 
-    def _sample(self, row: NDArray, edges: NDArray, rise: NDArray, surfaces: Surfaces) -> None:
-        """Takes the samples of pixels that are not decided."""
+    def _sample(self, row: NDArray, edges: NDArray, rise: NDArray, surfaces: Surfaces) -> int:
+        """Takes the samples of pixels that are not decided, and returns how many pixels these are."""
         if not len(row):
-            return
-        starts = np.flatnonzero(np.diff(row, prepend=-1))
-        limit = max(1, SAMPLES_AT_ONCE // self._samples.count)
-        begin = 0
-        while begin < len(starts):
-            end = max(begin + 1, int(np.searchsorted(starts, starts[begin] + limit)))
-            stop = starts[end] if end < len(starts) else len(row)
-            part = slice(starts[begin], stop)
-            pixels = row[starts[begin:end]]
-            part_surfaces = Surfaces(surfaces.own[part], surfaces.met[part])
+            return 0
+        # Float32 from here on: the weights at the square's middle are exact enough, and the samples are differences
+        # from it. Powers of two keep the two sides of an edge exact opposites.
+        _, exponent = np.frexp(np.abs(edges).max(axis=(1, 2)))
+        edges = np.ldexp(edges, -exponent[:, None, None]).astype(np.float32)
+        rise = np.ldexp(rise, -exponent[:, None]).astype(np.float32)
+        firsts = np.flatnonzero(np.diff(row, prepend=-1))
+        counts = np.diff(firsts, append=len(row))
+        for pixels in cut(counts, max(1, SAMPLES_AT_ONCE // self._samples.count)):
+            starts = firsts[pixels]
+            part = slice(starts[0], starts[-1] + counts[pixels][-1])
             values = self._shade(
-                row[part], edges[part], rise[part], surfaces=part_surfaces, starts=starts[begin:end] - starts[begin]
-            )
-            means = values.reshape(len(pixels), LATTICES, -1).mean(axis=2)
-            self.visibility[pixels] = means.mean(axis=1)
-            self.error[pixels] = means.std(axis=1, ddof=1) / np.sqrt(LATTICES)
-            self.sampled_count += len(pixels)
-            begin = end
+                row[part], edges[part], rise[part],
+                surfaces=Surfaces(surfaces.own[part], surfaces.met[part]), starts=starts - starts[0],
+            )  # fmt: skip
+            means = values.reshape(len(starts), LATTICES, -1).mean(axis=2)
+            self.visibility[row[starts]] = means.mean(axis=1)
+            self.error[row[starts]] = means.std(axis=1, ddof=1) / np.sqrt(LATTICES)
+        return len(firsts)
 
     def _shade(
         self, row: NDArray, edges: NDArray, rise: NDArray, *, surfaces: Surfaces, starts: NDArray
@@ -196,7 +200,8 @@ class _Caster:
         """How lit each sample of each pixel is, (pixels, samples)."""
         pixel_of = np.repeat(np.arange(len(starts)), np.diff(starts, append=len(row)))
         # After the samples the receiver's point itself, which is asked where its surface falls between them.
-        a, b = (np.pad(points, ((0, 0), (0, 1)))[pixel_of] for points in self._samples.make(row[starts]))
+        points = (np.pad(points.astype(np.float32), ((0, 0), (0, 1))) for points in self._samples.make(row[starts]))
+        a, b = (values[pixel_of] for values in points)
 
         def spread(values: NDArray) -> NDArray:
             return values[:, :1] + a * values[:, 1:2] + b * values[:, 2:]
@@ -209,14 +214,26 @@ class _Caster:
         if not own.any() and not met.any():
             return 1.0 - np.logical_or.reduceat(inside & (hit > 0), starts, axis=0)[:, :-1]
         # Heights over the plane, to compare those of the surfaces with the others'.
-        total = np.maximum(spread(edges.sum(axis=1)), 1e-300)
-        height = np.where(inside, hit / total, -np.inf)
-        level = np.maximum.reduceat(np.where(own, height, 0.0), starts, axis=0)
-        blocks = ~own & (height > np.maximum(level, 0.0)[pixel_of])
+        total = np.maximum(spread(edges.sum(axis=1)), np.float32(1e-30))
+        height = np.where(inside, hit / total, np.float32(-np.inf))
+        level = np.maximum.reduceat(np.where(own, height, np.float32(0.0)), starts, axis=0)
+        blocks = ~own & (height > np.maximum(level, 0)[pixel_of])
         blocked = np.logical_or.reduceat(blocks, starts, axis=0)
         shown = np.logical_or.reduceat(inside & own, starts, axis=0)
         buried = ~shown & np.logical_or.reduceat(met & (height > 0.0), starts, axis=0)
         return fill_buried(~blocked, shown, buried)[:, :-1]
+
+
+def cut(counts: NDArray[np.integer], limit: int) -> list[slice]:
+    """Cuts a list of things, each of which counts so much, into parts of not more than the limit, or of one thing."""
+    ends = np.cumsum(counts)
+    parts, begin = [], 0
+    while begin < len(ends):
+        done = ends[begin - 1] if begin else 0
+        end = max(begin + 1, int(np.searchsorted(ends, done + limit, side="right")))
+        parts.append(slice(begin, end))
+        begin = end
+    return parts
 
 
 def fill_buried(lit: NDArray[np.bool_], shown: NDArray[np.bool_], buried: NDArray[np.bool_]) -> NDArray[np.float64]:

@@ -21,8 +21,8 @@ from .footprint import compute_tangents
 # What lies nearer to the light than this part of the farthest receiver's distance isn't found.
 NEAREST_PART = 1e-7
 # Bounds of the memory: cells in each direction, and entries in all of them together.
-MOST_CELLS = 512
-MOST_ENTRIES = 6_000_000
+MOST_CELLS = 1024
+MOST_ENTRIES = 12_000_000
 
 
 @dataclass(frozen=True)
@@ -129,7 +129,8 @@ def bound_triangles(
 
 class LightBins:
     """A grid over places in a map's plane. Each cell lists the triangles whose bounds, grown by `reach` (2,), touch it:
-    all that can touch a rectangle of half that size, or smaller, round any place in the cell."""
+    all that can touch a rectangle that reaches so far, or less, round any place in the cell. `entries`: rows of the
+    seen triangles, cell by cell; `low`, `high`: their bounds."""
 
     def __init__(
         self, seen: SeenTriangles, low: NDArray[np.float64], high: NDArray[np.float64], reach: NDArray
@@ -139,7 +140,7 @@ class LightBins:
         self._low = low
         grown_low, grown_high = seen.low[near] - reach, seen.high[near] + reach
         size = np.maximum(high - low, 1e-300)
-        self._counts = np.clip(size / np.maximum(2.0 * reach, size / MOST_CELLS), 1, MOST_CELLS).astype(np.int64)
+        self._counts = np.clip(size / np.maximum(reach, size / MOST_CELLS), 1, MOST_CELLS).astype(np.int64)
         while True:
             self._cell = size / self._counts
             start, end = self._find_cells(grown_low), self._find_cells(grown_high)
@@ -148,13 +149,17 @@ class LightBins:
             if total <= MOST_ENTRIES or (self._counts == 1).all():
                 break
             self._counts = np.maximum(self._counts // 2, 1)
-        rows = np.repeat(np.arange(len(spans)), spans.prod(axis=1))
-        step = np.arange(total) - np.repeat(np.cumsum(spans.prod(axis=1)) - spans.prod(axis=1), spans.prod(axis=1))
-        across = spans[rows, 0]
-        cells = (start[rows, 1] + step // across) * self._counts[0] + start[rows, 0] + step % across
+        amounts = spans.prod(axis=1)
+        rows = np.repeat(np.arange(len(spans), dtype=np.int32), amounts)
+        step = np.arange(total, dtype=np.int32) - np.repeat((np.cumsum(amounts) - amounts).astype(np.int32), amounts)
+        across = spans[rows, 0].astype(np.int32)
+        columns, lines = start[:, 0].astype(np.int32)[rows], start[:, 1].astype(np.int32)[rows]
+        cells = (lines + step // across) * np.int32(self._counts[0]) + columns + step % across
         order = np.argsort(cells, kind="stable")
-        self._entries = self._row_of[rows[order]]
+        self.entries = self._row_of[rows[order]]
         self._first = np.searchsorted(cells[order], np.arange(int(self._counts.prod()) + 1))
+        # In the entries' order: they are read one after another.
+        self.low, self.high = seen.low[self.entries], seen.high[self.entries]
 
     def _find_cells(self, places: NDArray[np.float64]) -> NDArray[np.int64]:
         """Column and row of each place (n, 2), those outside in the nearest cell."""
@@ -165,8 +170,3 @@ class LightBins:
         """For each place (n, 2) where its triangles start in `entries`, and how many there are."""
         cells = self._find_cells(places) @ np.array([1, self._counts[0]])
         return self._first[cells], self._first[cells + 1] - self._first[cells]
-
-    @property
-    def entries(self) -> NDArray[np.int64]:
-        """Rows of the seen triangles, cell by cell."""
-        return self._entries
