@@ -250,8 +250,13 @@ def test_ratios_to_other_methods_are_taken_at_the_same_place():
     def record(method, ms, **place):
         return make_record(method=method, place=place, render_ms=make_record()["render_ms"] | {"median": ms})
 
-    records = [record("sm", 10, map_size=64), record("pcf", 20, map_size=64, kernel=3), record("pcf", 80, map_size=64, kernel=9),
-               record("rpcf", 40, map_size=64, kernel=9), record("rpcf", 30, map_size=128, kernel=3)]  # fmt: skip
+    records = [
+        record("sm", 10, map_size=64),
+        record("pcf", 20, map_size=64, kernel=3),
+        record("pcf", 80, map_size=64, kernel=9),
+        record("rpcf", 40, map_size=64, kernel=9),
+        record("rpcf", 30, map_size=128, kernel=3),
+    ]
     ratios = [bench_tables.compute_ratio(one, records, "pcf") for one in records]
     assert ratios == [0.5, 1.0, 1.0, 0.5, None]
     lines = bench_tables.make_run({"scene": "box", "resolution": "HD", "records": records}, ["pcf"])
