@@ -130,7 +130,12 @@ def make_summary(lights: Sequence[LightEntry], has_flip: bool) -> str:
         for entry in light.techniques:
             record = entry.record
             link = f'<a href="#{make_anchor(index, record["technique"])}">{escape(record["technique"])}</a>'
-            cells = [escape(light.name), *([str(light.frame)] if several_frames else []), link, light.truth]
+            cells = [
+                escape(light.name),
+                *([str(light.frame)] if several_frames else []),
+                link,
+                format_truth(light, record),
+            ]
             row = "".join(f'<td class="text">{cell}</td>' for cell in cells)
             row += "".join(make_measure_cell(info, record["measures"][info.id], top) for info in SUMMARY_MEASURES)
             if has_flip:
@@ -161,6 +166,12 @@ def format_ratio(record: Mapping[str, Any]) -> str:
     """How many times faster the layer was than the truth."""
     truth_ms, layer_ms = record["truth_ms"].get("total"), record["total_ms"]
     return f"{truth_ms / layer_ms:.1f}{TIMES}" if truth_ms and layer_ms else NOTHING
+
+
+def format_truth(light: LightEntry, record: Mapping[str, Any]) -> str:
+    """Which truth, and its own standard error where it has one."""
+    error = (record.get("truth") or {}).get("standard_error", {}).get("rms")
+    return escape(light.truth) + (f" \N{PLUS-MINUS SIGN} {error:.4f}" if error else "")
 
 
 def find_best(light: LightEntry) -> TechniqueEntry | None:

@@ -200,6 +200,18 @@ def test_page_shows_every_measure_with_its_unit():
         assert info.label in text
 
 
+def test_truth_and_its_error_are_shown():
+    truth = {"kind": "soft", "standard_error": {"rms": 0.01234, "bias": 0.0001}}
+    light = make_light(make_record("edtsm", truth=truth))
+    light.truth = "soft"
+    text = " ".join(read_page([light])[1].text)
+    assert "soft \N{PLUS-MINUS SIGN} 0.0123" in text and "0.01234" in text
+    assert "\N{PLUS-MINUS SIGN}" not in " ".join(read_page([make_light(make_record("sm"))])[1].text)
+    lines = table.format_table([make_record("edtsm", truth=truth), make_record("sm")]).splitlines()
+    assert lines[1].split()[lines[0].split().index("truth") + 2] == "0.01234"  # the light's name has a space
+    assert "hard          -" in lines[2]
+
+
 def make_temporal_record(technique, value, **changes):
     return {
         "light": "Key <b>", "technique": technique, "truth": "soft", "truth_standard_error": 0.0125, "move": "light",
