@@ -7,8 +7,9 @@
 namespace shadow_layers {
 namespace {
 
-constexpr double kReadsToDecide = 5;      // the texel and its neighbours
-constexpr double kReadsPerWalkStep = 16;  // two runs, two directions, the texel and its sides, some room
+constexpr double kReadsToDecide = 5;  // the texel and its neighbours
+// Two runs, two directions, the texel and its sides: 16 for each step of a pixel that walks, as one in sixteen does.
+constexpr double kReadsPerWalkStep = 1;
 
 }  // namespace
 

@@ -75,7 +75,7 @@ public:
 
 private:
     static constexpr double kReadsPerRecord = 5;
-    static constexpr double kReadsPerStep = 24;  // as smsr, and the record
+    static constexpr double kReadsPerStep = 1.5;  // as smsr, and the record
     RevectoriseSettings settings_;
     const gl::Program* discontinuities_ = nullptr;
     const gl::Program* decider_ = nullptr;
