@@ -70,6 +70,11 @@ class BorderSource:
         render = captured.snapshot.render
         self.samples = choose_samples(samples, render.width, render.height)
         self.notes: list[str] = []
+        if self.samples < samples:
+            self.notes.append(
+                f"Borders are measured with {self.samples} samples of the truth across a pixel in place of {samples}, "
+                "as the picture is so large: shift and staircase are coarser (--resolution makes it smaller)."
+            )
 
     def get_hard(self, light: LightData, visible: NDArray[np.bool_], classes: PixelClasses) -> TrueBorder:
         """The border of a light's hard truth; `visible` (h, w) is that truth at the pixels' centres. With more than

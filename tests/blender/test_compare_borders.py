@@ -95,6 +95,12 @@ def test_hard_map_has_the_staircase_of_its_texels(compare, tmp_path):
     assert document["temporal"] == []
 
 
+def test_large_pictures_get_fewer_samples(module):
+    choose_samples = module("batch_border").choose_samples
+    assert choose_samples(3, 1920, 1080) == 3 and choose_samples(16, 64, 64) == 16
+    assert choose_samples(3, 2560, 1440) == 2 and choose_samples(3, 7680, 4320) == 1
+
+
 def test_border_of_one_sample(compare):
     document = compare("--techniques", "sm", "--lights", "Sun", "--map-size", 128, "--border-samples", 1)
     record = document["records"][0]
