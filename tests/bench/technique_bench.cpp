@@ -81,8 +81,13 @@ std::vector<std::pair<std::string, SceneView>> make_scenes(const Options& option
 
 std::vector<Variant> make_variants(const Options& options) {
     const auto mode = [](const char* id, const char* value) { return parameters({{id, std::string(value)}}); };
-    std::vector<Variant> variants = {{"sm", "sm", {}}, {"pcf", "pcf", {}}, {"edsm", "edsm", {}}};
+    std::vector<Variant> variants = {{"sm", "sm", {}},     {"pcf", "pcf", {}},     {"edsm", "edsm", {}},
+                                     {"smsr", "smsr", {}}, {"smsr2", "smsr2", {}}, {"rsmss", "rsmss", {}}};
     if (options.all) {
+        variants.push_back({"smsr, reduced", "smsr", mode("mode", "reduced")});
+        variants.push_back({"smsr, half", "smsr", mode("mode", "half")});
+        variants.push_back({"smsr, one depth", "smsr", parameters({{"epsilon_rule", false}})});
+        variants.push_back({"rsmss, disjoint", "rsmss", mode("channels", "disjoint")});
         variants.push_back({"edsm, stream", "edsm", mode("edge_order", "stream")});
         variants.push_back({"edsm, min", "edsm", mode("edge_order", "min")});
         variants.push_back({"edsm, thesis order", "edsm", mode("edge_order", "thesis")});
