@@ -220,6 +220,44 @@ def test_linked_lights(compare, blend, tmp_path):
         assert record["measures"]["misclassified_fraction"] < 0.005
 
 
+def test_each_layer_meets_the_truths_asked_for(compare, module, monkeypatch, tmp_path):
+    """pcf names the filtered truth, sm the hard one; soft is asked for of both, and is one picture for both."""
+    arguments = ("--techniques", "sm,pcf", "--lights", "Area", "--resolution", "160x90", "--map-size", 256, "--set",
+                 "pcf.kernel=7", "--truth", "named,soft", "--truth-samples", 16)  # fmt: skip
+    document = compare(*arguments, out=tmp_path / "a")
+    assert (document["truths"], document["truth_samples"]) == (["named", "soft"], 16)
+    records = {(record["technique"], record["truth"]["kind"]): record for record in document["records"]}
+    assert set(records) == {("sm", "hard"), ("sm", "soft"), ("pcf", "filtered"), ("pcf", "soft")}
+    assert records["pcf", "filtered"]["truth"]["footprint_texels"] == 7
+    for (_, kind), record in records.items():
+        told = record["truth"]["standard_error"]
+        assert record["truth"]["samples"] == (1 if kind == "hard" else 16)
+        assert (told["rms"] > 0) == (told["bias"] > 0) == (kind != "hard")
+        assert told["bias"] < 0.02 * told["rms"] or kind == "hard"
+        assert record["measures"]["rmse"] > told["rms"]
+    assert records["pcf", "filtered"]["measures"]["mae"] < 0.7 * records["pcf", "soft"]["measures"]["mae"]
+    assert records["sm", "soft"]["truth_picture"] == records["pcf", "soft"]["truth_picture"]
+    pictures = [record[name] for record in records.values() for name in ("difference_picture", "truth_picture")]
+    assert len(set(pictures)) == 4 + 3 and all((tmp_path / "a" / name).stat().st_size for name in pictures)
+    page = (tmp_path / "a" / "index.html").read_text()
+    assert "over a square of 7 texels, 16 samples" in page and "too dark by 0.25 or more" in page
+
+    def fail(*_, **__):
+        raise AssertionError("a truth was made anew")
+
+    monkeypatch.setattr(module("truth").CyclesTruth, "__enter__", fail)
+    monkeypatch.setattr(module("truth_store"), "compute_filtered_truth", fail)
+    again = compare(*arguments, out=tmp_path / "b")
+    for one, other in zip(document["records"], again["records"], strict=True):
+        assert (
+            one["measures"] == other["measures"] and one["truth"]["standard_error"] == other["truth"]["standard_error"]
+        )
+        assert other["truth"]["cached"]
+    monkeypatch.undo()
+    finer = compare(*arguments[:-1], 32, "--skip-existing", out=tmp_path / "b")["records"]
+    assert [record["truth"]["cached"] for record in finer] == [True, False, False, False]
+
+
 def test_several_view_layers_must_be_chosen(compare, blend, tmp_path, capfd):
     bpy.ops.wm.open_mainfile(filepath=str(blend))
     bpy.context.scene.view_layers.new("Second")

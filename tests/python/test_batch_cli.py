@@ -57,12 +57,21 @@ def test_options_of_a_temporal_comparison():
         (("--temporal-step", "nan"), '"nan" is no step: write degrees'),
         (("--temporal-step", "1e9"), "is no step: write degrees"),
         (("--border-samples", "0"), '"0" is no whole number from 1 to 16'),
+        (("--truth", "named,firm"), '"named,firm" is no truth: write named, hard, filtered, soft'),
+        (("--truth", ","), '"," is no truth'),
+        (("--truth-samples", "3"), '"3" is no whole number from 4 to 65536'),
     ],
 )
 def test_bad_options_of_measures_are_refused(arguments, message, capsys):
     with pytest.raises(SystemExit) as stop:
         parse("compare", *arguments)
     assert stop.value.code == 2 and message in capsys.readouterr().err
+
+
+def test_truths_of_a_comparison():
+    got = parse("compare", "--truth", "soft, named,soft", "--truth-samples", "256")
+    assert (got.truth, got.truth_samples) == (["soft", "named"], 256)
+    assert (parse("compare").truth, parse("compare").truth_samples) == (["named"], 64)
 
 
 def test_all_options_of_a_render():
