@@ -38,8 +38,8 @@ BORDER_VALUES = (
     "staircase_texels",
     "unpaired_fraction",
 )
-# A border has a partner if there is one within this distance: the larger of both. What is farther is acne or a leak,
-# not a border in the wrong place (see FAR_PX in measures.py).
+# A border has a partner if there is one within this distance, in pixels or in texels across it, whichever is more.
+# What is farther is acne or a leak, not a border in the wrong place (see FAR_PX in measures.py).
 PARTNER_PX = 2.0
 PARTNER_TEXELS = 2.0
 # Partners are looked for between pixels' centres; a border lies up to so much nearer.
@@ -85,7 +85,9 @@ def measure_border(
     lit = np.where(np.isfinite(visibility), visibility >= LIT_THRESHOLD, ~truth)
     lit_border = find_layer_border(lit, comparable)
     paired = border.usable.copy()  # elsewhere there may be no surface, and so no texels
-    paired[paired] = _find_partners(border.rows[paired], border.columns[paired], lit_border, texels)
+    rows, columns = border.rows[paired], border.columns[paired]
+    limit_px = _compute_limit(_compute_texel_px(rows, columns, border.normals[paired], texels))
+    paired[paired] = _find_partners(rows, columns, lit_border, limit_px)
     length = float(border.lengths_px[paired].sum())
     lengths_px = {
         "compared": length,
@@ -93,7 +95,9 @@ def measure_border(
         "left_aside": float(border.lengths_px[~border.usable].sum()),
     }
     rows, columns = np.nonzero(lit_border)
-    stray = int((~_find_partners(rows, columns, border.pixels, texels)).sum())
+    # A layer's border has no direction here: the longest side of a texel will do.
+    longest_px = np.zeros(len(rows)) if texels is None else compute_singular_values(texels(rows, columns))[0]
+    stray = int((~_find_partners(rows, columns, border.pixels, _compute_limit(longest_px))).sum())
     values: dict[str, float | None] = dict.fromkeys(BORDER_VALUES)
     if length > 0:
         values |= _measure_pieces(lit, truth, comparable, border=border, paired=paired, texels=texels)
@@ -102,18 +106,38 @@ def measure_border(
     return BorderMeasures(values, lengths_px, stray, int(rows.size))
 
 
+def _compute_texel_px(
+    rows: NDArray[np.integer],
+    columns: NDArray[np.integer],
+    normals: NDArray[np.float64],
+    texels: TexelFunction | None,
+) -> NDArray[np.float64]:
+    """Pixels that a shift by one texel moves a border with these normals (n, 2) at the pixels (rows, columns); 1
+    without a map. A line with the normal n in the picture has M^T n in the map, M = d(pixel)/d(texel)."""
+    if texels is None:
+        return np.ones(len(rows))
+    with np.errstate(invalid="ignore"):  # texels without end, along faces that the light grazes
+        return np.linalg.norm(np.einsum("nij,ni->nj", texels(rows, columns), normals), axis=1)
+
+
+def _compute_limit(texel_px: NDArray[np.float64]) -> NDArray[np.float64]:
+    """How far a partner may be, by the size of a texel; NaN counts as no end."""
+    texel_px = np.where(np.isnan(texel_px), np.inf, texel_px)
+    return np.minimum(np.maximum(PARTNER_PX, PARTNER_TEXELS * texel_px), LONGEST_SEARCH_PX)
+
+
 def _find_partners(
-    rows: NDArray[np.integer], columns: NDArray[np.integer], others: NDArray[np.bool_], texels: TexelFunction | None
+    rows: NDArray[np.integer],
+    columns: NDArray[np.integer],
+    others: NDArray[np.bool_],
+    limit_px: NDArray[np.float64],
 ) -> NDArray[np.bool_]:
-    """Which of the pixels (rows, columns), (n,), have one of `others` (h, w) within the limit."""
+    """Which of the pixels (rows, columns), (n,), have one of `others` (h, w) within the limit (n,)."""
     width = others.shape[1]
     pixel, back = np.unique(rows * width + columns, return_inverse=True)
     pixel_rows, pixel_columns = np.divmod(pixel, width)
-    limit = np.full(len(pixel), PARTNER_PX)
-    if texels is not None and len(pixel):
-        limit = np.maximum(limit, PARTNER_TEXELS * compute_singular_values(texels(pixel_rows, pixel_columns))[0])
     distance, _, _ = find_nearest_target(others, pixel_rows, pixel_columns, LONGEST_SEARCH_PX)
-    return (distance <= np.minimum(limit + CENTRE_PX, LONGEST_SEARCH_PX))[back.reshape(-1)]
+    return distance[back.reshape(-1)] <= limit_px + CENTRE_PX
 
 
 @dataclass(frozen=True)
@@ -140,13 +164,8 @@ def _find_strip(
     kept = nearest.piece >= 0
     kept[kept] = paired[nearest.piece[kept]]
     rows, columns, nearest = rows[kept], columns[kept], nearest.at(kept)
-    limit_px, texel_px = np.full(len(rows), PARTNER_PX), np.ones(len(rows))
-    if texels is not None:
-        matrices = texels(rows, columns)
-        limit_px = np.maximum(limit_px, PARTNER_TEXELS * compute_singular_values(matrices)[0])
-        # A line with the normal n in the picture has M^T n in the map, M = d(pixel)/d(texel).
-        texel_px = np.linalg.norm(np.einsum("nij,ni->nj", matrices, border.normals[nearest.piece]), axis=1)
-    near = (nearest.distance_px <= limit_px) & np.isfinite(texel_px) & (texel_px > 0)
+    texel_px = _compute_texel_px(rows, columns, border.normals[nearest.piece], texels)
+    near = (nearest.distance_px <= _compute_limit(texel_px)) & np.isfinite(texel_px) & (texel_px > 0)
     in_shadow = ~truth[rows, columns]
     across_px = np.where(in_shadow, 1.0, -1.0) * nearest.distance_px
     return _Strip(in_shadow[near], across_px[near], texel_px[near])

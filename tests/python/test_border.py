@@ -174,6 +174,21 @@ def test_texels_that_grow_over_the_picture_are_no_staircase():
     assert values["border_bias_px"] == pytest.approx(2.5, abs=0.1)
 
 
+def test_limit_is_taken_across_the_border():
+    """Texels of 40 x 1 pixels along a border: a patch 6 pixels deep is a leak there, and no part of its staircase."""
+
+    def texels(rows, columns):
+        return np.broadcast_to(np.diag([40.0, 1.0]), (len(rows), 2, 2))
+
+    layer = draw_layer(0.6, 0.0)
+    x, y = sample_centres(WIDTH, HEIGHT)
+    _, across = edge_coordinates(x, y, 0.6)
+    layer[(across < 6.0) & (np.abs(x - 200.0) < 15.0)] = 1.0
+    found = measure_edge(layer, draw_truth(0.6, SAMPLES), SAMPLES, texels=texels)
+    assert found.values["staircase_px"] < 0.5
+    assert found.lengths_px["unpaired"] == pytest.approx(26.0, abs=6.0)
+
+
 def test_soft_layer_counts_by_its_half():
     _, across = edge_coordinates(*sample_centres(WIDTH, HEIGHT), 33.0)
     layer = np.clip(0.5 - (across - 0.6) / 12.0, 0.0, 1.0)
