@@ -162,7 +162,7 @@ class Painter:
         call(f"figure {figure['id']}", "montage", "-font", FONT, "-pointsize", 13, *tiles,
              "-crop", f"{width}x{height}+{left}+{top}", "+repage", "-filter", "point", "-resize",
              f"{100 * figure['zoom']}%", "-tile", f"{figure['columns']}x", "-geometry", f"+{GAP_PX}+{GAP_PX}",
-             "-background", GROUND, "-colorspace", "gray", "-colors", GREYS, "-depth", 8, "-strip",
+             "-background", GROUND, "-colorspace", "gray", "+dither", "-colors", GREYS, "-depth", 8, "-strip",
              "-define", "png:compression-level=9", made)  # fmt: skip
         size = made.stat().st_size
         if size > LARGEST_BYTES:

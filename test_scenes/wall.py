@@ -14,14 +14,15 @@ import scene_kit as kit
 from mathutils import Matrix
 
 kWallHeightM = 1.9
-kWallX = -1.4
+kWallX, kWallEndY = -1.4, -0.27
 kStatueTriangles = 40_000
 
 
 def make_wall() -> kit.Shape:
-    """Two slabs of different height; they end between light and statue, so that top and side cast an edge."""
-    tall = kit.box((0.16, 1.7, kWallHeightM), (kWallX, -0.75, kWallHeightM / 2))
-    low = kit.box((0.16, 1.1, 0.55), (kWallX, 0.65, 0.275))
+    """A tall slab whose end is in line with lamp and statue, so that the edge of its shadow runs up the pedestal and
+    through the pedestal's own shadow; a low one beyond."""
+    tall = kit.box((0.16, 1.7, kWallHeightM), (kWallX, kWallEndY - 0.85, kWallHeightM / 2))
+    low = kit.box((0.16, 1.4, 0.4), (kWallX, kWallEndY + 0.7, 0.2))
     return kit.joined([tall, low])
 
 
