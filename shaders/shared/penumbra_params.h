@@ -15,7 +15,8 @@ const int kBorderUnit = 4;
 const int kNearestUnit = 5;
 const int kSoftUnit = 6;
 const int kPenumbraParamsSlot = 2;  // uniform buffer binding
-const int kBorderStatsSlot = 3;     // shader storage binding
+const int kBorderStatsSlot = 3;     // shader storage bindings
+const int kTileListSlot = 4;
 
 // What decides how wide a penumbra is: std140.
 struct PenumbraParams {

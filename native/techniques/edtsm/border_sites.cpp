@@ -64,45 +64,70 @@ void PenumbraBlocks::bind(Engine& engine, const LightTask& task, const PenumbraS
                 "penumbra params");
 }
 
-void BorderSites::prepare_target(Engine& engine, const Frame& frame) {
+void BorderSites::prepare_targets(Engine& engine, const Frame& frame) {
     if (!stats_buf_) stats_buf_ = gl::Buffer(engine.device(), sizeof(BorderStats), "border stats");
     if (mask_tx_ && mask_tx_->width() == frame.width && mask_tx_->height() == frame.height) return;
-    target_fb_ = gl::Framebuffer();
-    mask_tx_ = std::make_shared<gl::Texture>(engine.device(), gl::TextureDesc{GL_R8UI, frame.width, frame.height},
-                                             "border sites");
-    border_tx_ = std::make_shared<gl::Texture>(engine.device(), gl::TextureDesc{GL_RGBA32F, frame.width, frame.height},
-                                               "border points");
-    target_fb_ = gl::Framebuffer(engine.device(), "border sites");
-    target_fb_.attach_color(0, mask_tx_);
-    target_fb_.attach_color(1, border_tx_);
+    candidates_fb_ = gl::Framebuffer();
+    sites_fb_ = gl::Framebuffer();
+    const auto make = [&](GLenum format, const char* label) {
+        return std::make_shared<gl::Texture>(engine.device(), gl::TextureDesc{format, frame.width, frame.height},
+                                             label);
+    };
+    candidates_tx_ = make(GL_R8UI, "border candidates");
+    mask_tx_ = make(GL_R8UI, "border sites");
+    border_tx_ = make(GL_RGBA32F, "border points");
+    candidates_fb_ = gl::Framebuffer(engine.device(), "border candidates");
+    candidates_fb_.attach_color(0, candidates_tx_);
+    sites_fb_ = gl::Framebuffer(engine.device(), "border sites");
+    sites_fb_.attach_color(0, mask_tx_);
+    sites_fb_.attach_color(1, border_tx_);
 }
 
-BorderSites::Result BorderSites::find(Engine& engine, const Frame& frame, const PenumbraSettings& settings,
-                                      const gl::Texture& hard_tx, const gl::Texture* depth_map_tx) {
-    const auto timer = engine.time_stage("border_sites");
-    prepare_target(engine, frame);
-    stats_buf_.clear();
-    stats_buf_.bind_base(GL_SHADER_STORAGE_BUFFER, kBorderStatsSlot);
-    target_fb_.clear_color_uint(0, 0);
+PictureTiles BorderSites::find_candidates(Engine& engine, const gl::Texture& hard_tx) {
+    const gl::Program& program = engine.program("frame/fullscreen.vert", "techniques/edtsm/edtsm_candidates.frag");
+    program.use();
+    program.set("u_pixel", 1.0f / glm::vec2(hard_tx.width(), hard_tx.height()));
+    hard_tx.bind(kHardVisibilityUnit);
+    candidates_fb_.bind();
+    engine.draw_fullscreen();
+    const auto mask = candidates_tx_->download<std::uint8_t>();
+    return PictureTiles(engine.threads(), mask, hard_tx.width(), hard_tx.height());
+}
 
+void BorderSites::draw_sites(Engine& engine, const Frame& frame, const PenumbraSettings& settings,
+                             const gl::Texture& hard_tx, const gl::Texture* depth_map_tx, const PictureTiles& tiles) {
     const gl::Program& program =
-        engine.program("frame/fullscreen.vert", "techniques/edtsm/edtsm_sites.frag", settings.defines());
+        engine.program(PictureTiles::kVertexShader, "techniques/edtsm/edtsm_sites.frag", settings.defines());
     program.use();
     frame.position_tx->bind(kPositionUnit);
     frame.normal_tx->bind(kNormalUnit);
     hard_tx.bind(kHardVisibilityUnit);
+    stats_buf_.bind_base(GL_SHADER_STORAGE_BUFFER, kBorderStatsSlot);
     std::optional<gl::ValueSampler> plain;
     if (depth_map_tx) {
         plain.emplace(engine.device(), kDepthMapUnit, "plain depths");
         depth_map_tx->bind(kDepthMapUnit);
     }
-    target_fb_.bind();
-    engine.draw_fullscreen();
+    sites_fb_.bind();
+    tiles.draw(engine, program);
     engine.gl().MemoryBarrier(GL_BUFFER_UPDATE_BARRIER_BIT);
+}
+
+BorderSites::Result BorderSites::find(Engine& engine, const Frame& frame, const PenumbraSettings& settings,
+                                      const gl::Texture& hard_tx, const gl::Texture* depth_map_tx) {
+    const auto timer = engine.time_stage("border_sites");
+    prepare_targets(engine, frame);
+    PictureTiles tiles = find_candidates(engine, hard_tx);
+    stats_buf_.clear();
+    sites_fb_.clear_color_uint(0, 0);
+    draw_sites(engine, frame, settings, hard_tx, depth_map_tx, tiles);
 
     BorderStats stats{};
     stats_buf_.read(&stats, sizeof stats);
-    return {*mask_tx_, *border_tx_, std::int64_t(stats.site_count),
+    return {*mask_tx_,
+            *border_tx_,
+            std::move(tiles),
+            std::int64_t(stats.site_count),
             double(std::bit_cast<float>(stats.largest_reach_bits)),
             double(std::bit_cast<float>(stats.largest_penumbra_bits))};
 }

@@ -6,6 +6,7 @@
 
 #include "engine/engine.h"
 #include "penumbra_params.h"
+#include "techniques/edtsm/picture_tiles.h"
 #include "techniques/technique.h"
 
 namespace shadow_layers {
@@ -36,6 +37,7 @@ public:
     struct Result {
         const gl::Texture& mask_tx;    ///< R8UI: 1 = a site
         const gl::Texture& border_tx;  ///< RGBA32F, at sites only: shaders/techniques/edtsm/edtsm_sites.frag
+        PictureTiles tiles;            ///< that hold all sites
         std::int64_t site_count = 0;
         double reach_px = 0;     ///< how far from a site anything changes, at most
         double penumbra_px = 0;  ///< the widest penumbra on the screen
@@ -47,10 +49,13 @@ public:
                 const gl::Texture* depth_map_tx);
 
 private:
-    void prepare_target(Engine& engine, const Frame& frame);
+    void prepare_targets(Engine& engine, const Frame& frame);
+    PictureTiles find_candidates(Engine& engine, const gl::Texture& hard_tx);
+    void draw_sites(Engine& engine, const Frame& frame, const PenumbraSettings& settings, const gl::Texture& hard_tx,
+                    const gl::Texture* depth_map_tx, const PictureTiles& tiles);
 
-    std::shared_ptr<gl::Texture> mask_tx_, border_tx_;
-    gl::Framebuffer target_fb_;
+    std::shared_ptr<gl::Texture> candidates_tx_, mask_tx_, border_tx_;
+    gl::Framebuffer candidates_fb_, sites_fb_;
     gl::Buffer stats_buf_;
 };
 

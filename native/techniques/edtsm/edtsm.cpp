@@ -20,10 +20,10 @@
 #include <cmath>
 #include <sstream>
 
+#include "light_params.h"
 #include "shadow_layers/error.h"
 #include "stages/depth_map.h"
 #include "stages/distance_transform.h"
-#include "stages/resolve.h"
 #include "techniques/common_parameters.h"
 #include "techniques/edtsm/border_sites.h"
 #include "techniques/inner_technique.h"
@@ -58,42 +58,26 @@ PenumbraSettings make_settings(const ParameterValues& values) {
             .filter = values.get_float("filter")};
 }
 
-/// Draws the mean filter's two passes. Kept between frames.
-class MeanFilter {
+/// A picture that passes draw into. Kept between frames.
+class Picture {
 public:
-    const gl::Texture& run(Engine& engine, const Frame& frame, bool screen_metric, const gl::Texture& soft_tx) {
-        const auto timer = engine.time_stage("mean_filter");
-        prepare(rows_tx_, rows_fb_, GL_RGBA32F, engine, frame);
-        prepare(whole_tx_, whole_fb_, GL_R32F, engine, frame);
-        frame.position_tx->bind(kPositionUnit);
-        frame.normal_tx->bind(kNormalUnit);
-        gl::Defines defines = {{"AXIS", "0"}, {"SCREEN_METRIC", screen_metric ? "1" : "0"}};
-        draw(engine, defines, soft_tx, rows_fb_);
-        defines["AXIS"] = "1";
-        draw(engine, defines, *rows_tx_, whole_fb_);
-        return *whole_tx_;
+    Picture(GLenum format, const char* label) : format_(format), label_(label) {}
+    void prepare(Engine& engine, const Frame& frame) {
+        if (texture_ && texture_->width() == frame.width && texture_->height() == frame.height) return;
+        target_fb_ = gl::Framebuffer();
+        texture_ =
+            std::make_shared<gl::Texture>(engine.device(), gl::TextureDesc{format_, frame.width, frame.height}, label_);
+        target_fb_ = gl::Framebuffer(engine.device(), label_);
+        target_fb_.attach_color(0, texture_);
     }
+    gl::Framebuffer& target() { return target_fb_; }
+    const gl::Texture& texture() const { return *texture_; }
 
 private:
-    static void prepare(std::shared_ptr<gl::Texture>& texture, gl::Framebuffer& target, GLenum format, Engine& engine,
-                        const Frame& frame) {
-        if (texture && texture->width() == frame.width && texture->height() == frame.height) return;
-        target = gl::Framebuffer();
-        texture = std::make_shared<gl::Texture>(engine.device(), gl::TextureDesc{format, frame.width, frame.height},
-                                                "mean filter");
-        target = gl::Framebuffer(engine.device(), "mean filter");
-        target.attach_color(0, texture);
-    }
-    static void draw(Engine& engine, const gl::Defines& defines, const gl::Texture& from, const gl::Framebuffer& to) {
-        engine.check_cancelled();
-        engine.program("frame/fullscreen.vert", "techniques/edtsm/edtsm_filter.frag", defines).use();
-        from.bind(kSoftUnit);
-        to.bind();
-        engine.draw_fullscreen();
-    }
-
-    std::shared_ptr<gl::Texture> rows_tx_, whole_tx_;
-    gl::Framebuffer rows_fb_, whole_fb_;
+    GLenum format_;
+    const char* label_;
+    std::shared_ptr<gl::Texture> texture_;
+    gl::Framebuffer target_fb_;
 };
 
 class EDTSM final : public Technique {
@@ -102,9 +86,8 @@ public:
         const Source source = make_source(parameters);
         source_.prepare(engine, source.technique, source.parameters);
         settings_ = make_settings(parameters);
-        far_program_ = &engine.program("frame/fullscreen.vert", "techniques/edtsm/edtsm_far.frag");
-        near_program_ =
-            &engine.program("frame/fullscreen.vert", "techniques/edtsm/edtsm_penumbra.frag", settings_.defines());
+        penumbra_program_ =
+            &engine.program(PictureTiles::kVertexShader, "techniques/edtsm/edtsm_penumbra.frag", settings_.defines());
     }
 
     void render(Engine& engine, const LightTask& task, LayerOutputs& outputs) override {
@@ -144,24 +127,56 @@ private:
 
     const gl::Texture& soften(Engine& engine, const LightTask& task, const gl::Texture& hard_tx,
                               const BorderSites::Result& sites) {
-        const double picture_px = std::hypot(task.frame.width, task.frame.height);
+        const Frame& frame = task.frame;
+        const double picture_px = std::hypot(frame.width, frame.height);
         const int bound_px = int(std::ceil(std::min(sites.reach_px, picture_px))) + 1;
+        const PictureTiles tiles = sites.tiles.grown(bound_px);
         engine.count("reach_px", bound_px);
+        engine.count("penumbra_tiles", std::int64_t(tiles.count()));
         const gl::Texture& nearest_tx = transform_.run(engine, sites.mask_tx, {.bound_px = bound_px});
-        const gl::Texture& soft_tx = penumbra_.run(engine, {.frame = task.frame,
-                                                            .light = task.light,
-                                                            .position = task.positions.front(),
-                                                            .program = *far_program_,
-                                                            .second_program = near_program_,
-                                                            .format = GL_RGBA32F,
-                                                            .second_work_per_pixel = 20,
-                                                            .bind_inputs = [&] {
-                                                                blocks_.bind(engine, task, settings_);
-                                                                hard_tx.bind(kHardVisibilityUnit);
-                                                                sites.border_tx.bind(kBorderUnit);
-                                                                nearest_tx.bind(kNearestUnit);
-                                                            }});
-        return filter_.run(engine, task.frame, settings_.screen_metric, soft_tx);
+        for (Picture* picture : {&soft_, &rows_, &whole_}) picture->prepare(engine, frame);
+        // The transform and the source have bound what they like.
+        blocks_.bind(engine, task, settings_);
+        frame.position_tx->bind(kPositionUnit);
+        frame.normal_tx->bind(kNormalUnit);
+        draw_penumbra(engine, hard_tx, sites.border_tx, nearest_tx, tiles);
+        filter(engine, hard_tx, tiles);
+        return whole_.texture();
+    }
+
+    void draw_penumbra(Engine& engine, const gl::Texture& hard_tx, const gl::Texture& border_tx,
+                       const gl::Texture& nearest_tx, const PictureTiles& tiles) {
+        const auto timer = engine.time_stage("penumbra");
+        // Off the tiles there is no tap for the filter.
+        soft_.target().clear_color(0, 0);
+        penumbra_program_->use();
+        hard_tx.bind(kHardVisibilityUnit);
+        border_tx.bind(kBorderUnit);
+        nearest_tx.bind(kNearestUnit);
+        soft_.target().bind();
+        tiles.draw(engine, *penumbra_program_);
+    }
+
+    /// Rows, then columns; off the tiles the hard visibility stays.
+    void filter(Engine& engine, const gl::Texture& hard_tx, const PictureTiles& tiles) {
+        const auto timer = engine.time_stage("mean_filter");
+        gl::Defines defines = {{"AXIS", "0"}, {"SCREEN_METRIC", settings_.screen_metric ? "1" : "0"}};
+        const auto draw = [&](const gl::Texture& from, Picture& to) {
+            const gl::Program& program =
+                engine.program(PictureTiles::kVertexShader, "techniques/edtsm/edtsm_filter.frag", defines);
+            program.use();
+            from.bind(kSoftUnit);
+            to.target().bind();
+            tiles.draw(engine, program);
+        };
+        if (settings_.filter > 0) {
+            rows_.target().clear_color(0, 0);
+            draw(soft_.texture(), rows_);
+        }
+        engine.gl().CopyImageSubData(hard_tx.id(), hard_tx.target(), 0, 0, 0, 0, whole_.texture().id(),
+                                     whole_.texture().target(), 0, 0, 0, 0, hard_tx.width(), hard_tx.height(), 1);
+        defines["AXIS"] = "1";
+        draw(settings_.filter > 0 ? rows_.texture() : soft_.texture(), whole_);
     }
 
     PenumbraSettings settings_;
@@ -169,10 +184,8 @@ private:
     PenumbraBlocks blocks_;
     BorderSites sites_;
     DistanceTransform transform_;
-    ResolvePass penumbra_;
-    MeanFilter filter_;
-    const gl::Program* far_program_ = nullptr;
-    const gl::Program* near_program_ = nullptr;
+    Picture soft_{GL_RGBA32F, "penumbra"}, rows_{GL_RGBA32F, "filtered rows"}, whole_{GL_R32F, "filtered penumbra"};
+    const gl::Program* penumbra_program_ = nullptr;
 };
 
 std::vector<ParameterSpec> edtsm_parameters() {

@@ -116,9 +116,10 @@ void main() {
     ivec2 pixel = ivec2(gl_FragCoord.xy);
     float hard = texelFetch(visibility_tx, pixel, 0).x;
     soft = vec4(hard, 0.0, 0.0, 0.0);
-    Receiver receiver = fetch_receiver(pixel);
-    bool is_asked = receiver.fixed_visibility == kMapDecides && is_site(texelFetch(nearest_tx, pixel, 0).x);
-    for (int once = is_asked ? 0 : 1; once < 1; ++once) {
+    // A loop without trips, not a branch, is what a software rasteriser skips.
+    for (int once = is_site(texelFetch(nearest_tx, pixel, 0).x) ? 0 : 1; once < 1; ++once) {
+        Receiver receiver = fetch_receiver(pixel);
+        if (receiver.fixed_visibility != kMapDecides) continue;
         Footprint footprint = compute_footprint(camera, receiver.position_rel, receiver.normal);
         float depth = camera.forward.w > 0.5 ? 1.0 / max(footprint.depth_vs, 1e-30) : footprint.depth_vs;
         soft.zw = vec2(depth, 1.0);

@@ -114,12 +114,13 @@ void main() {
     for (int once = differs ? 0 : 1; once < 1; ++once) {
         Border found = find_border(pixel, lit);
         count = found.count;
+        if (count == 0) continue;
         float gap = 0.0;
 #if FROM_LIGHT
-        for (int k = count > 0 ? 0 : 1; k < 1; ++k) gap = find_gap(found.shadowed);
+        gap = find_gap(found.shadowed);
 #endif
         border = vec4(SCREEN_METRIC == 1 ? vec3(found.offset_px, 0.0) : found.point_rel, gap);
-        if (count > 0) count_site(found.shadowed, gap);
+        count_site(found.shadowed, gap);
     }
     if (count == 0) discard;
     site = 1u;
