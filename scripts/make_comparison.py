@@ -23,7 +23,6 @@ from typing import Any
 import tomllib
 
 root = Path(__file__).resolve().parent.parent
-GREYS = 64  # levels of a picture: enough for a penumbra, and small files
 GAP_PX, GROUND, FONT = 3, "#8a8f98", "DejaVu-Sans"
 LARGEST_BYTES, LARGEST_TOTAL_BYTES = 150_000, 1_500_000
 
@@ -162,7 +161,7 @@ class Painter:
         call(f"figure {figure['id']}", "montage", "-font", FONT, "-pointsize", 13, *tiles,
              "-crop", f"{width}x{height}+{left}+{top}", "+repage", "-filter", "point", "-resize",
              f"{100 * figure['zoom']}%", "-tile", f"{figure['columns']}x", "-geometry", f"+{GAP_PX}+{GAP_PX}",
-             "-background", GROUND, "-colorspace", "gray", "+dither", "-colors", GREYS, "-depth", 8, "-strip",
+             "-background", GROUND, "-colorspace", "gray", "-type", "Grayscale", "-depth", 8, "-strip",
              "-define", "png:compression-level=9", made)  # fmt: skip
         size = made.stat().st_size
         if size > LARGEST_BYTES:
