@@ -1,10 +1,10 @@
 // SPDX-FileCopyrightText: 2026 Shadow Layers contributors
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Exact nearest sites in two scans: along columns, then along rows over the lower envelope of the columns' offers, in
-// integers. Based on: A. Meijster, J. Roerdink, W. Hesselink, A general algorithm for computing distance transforms in
-// linear time, 2000. Differences: the site itself is kept; ties are decided (lowest row, then leftmost), which needs no
-// more than a shift of one where two columns change hands; whole runs of pixels are filled; a bound drops rows, columns
-// and pixels beyond it.
+// integers. Based on [Meijster00]: A. Meijster, J. Roerdink, W. Hesselink, A general algorithm for computing distance
+// transforms in linear time, 2000. Differences: the site itself is kept; ties are decided (lowest row, then leftmost),
+// which needs no more than a shift of one where two columns change hands; whole runs of pixels are filled; a bound
+// drops rows, columns and pixels beyond it.
 #include <algorithm>
 #include <cmath>
 #include <cstring>

@@ -2,9 +2,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The steps of a banded exact distance transform that all its passes share. Rows of sites and links between columns are
 // 16-bit numbers; kNoIndex stands for none.
-// Based on: T.-T. Cao, K. Tang, A. Mohamed, T.-S. Tan, Parallel Banding Algorithm to compute exact distance transform
-// with the GPU, 2010. Differences: any rectangle; ties are decided (lowest row, then leftmost); the predicate is a
-// division rounded down, exact in 32 bits up to sides of 16384.
+// Based on [Cao10]: T.-T. Cao, K. Tang, A. Mohamed, T.-S. Tan, Parallel Banding Algorithm to compute exact distance
+// transform with the GPU, 2010. Differences: any rectangle; ties are decided (lowest row, then leftmost); the predicate
+// is a division rounded down, exact in 32 bits up to sides of 16384.
 #pragma once
 
 const uint kNoIndex = 0xFFFFu;
