@@ -14,6 +14,7 @@ import argparse
 import json
 import os
 import shutil
+import signal
 import subprocess
 import sys
 import tempfile
@@ -218,6 +219,8 @@ def main() -> int:
     default = Path(os.environ.get("SHADOW_LAYERS_BUILD", root / "build" / "release"))
     add("--build", type=Path, default=default, help="build folder (default: SHADOW_LAYERS_BUILD or build/release)")
     options = parser.parse_args()
+    for number in (signal.SIGINT, signal.SIGTERM):  # so that the temporary folder goes, and the program at work
+        signal.signal(number, lambda *_: sys.exit("[comparison] interrupted"))
     options.build = options.build.resolve()
     try:
         figures = read_figures(options.list)
