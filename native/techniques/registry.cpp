@@ -12,10 +12,13 @@
 #include "techniques/multi/multi.h"
 #include "techniques/pcf/pcf.h"
 #include "techniques/probe/probe.h"
+#include "techniques/rpcf_rsmss/rpcf_rsmss.h"
+#include "techniques/rpcf_smsr/rpcf_smsr.h"
 #include "techniques/rsmss/rsmss.h"
 #include "techniques/sm/sm.h"
 #include "techniques/smsr/smsr.h"
 #include "techniques/smsr2/smsr2.h"
+#include "techniques/sssm/sssm.h"
 #include "techniques/technique.h"
 #include "techniques/vsm/vsm.h"
 
@@ -28,6 +31,7 @@ const std::vector<TechniqueEntry>& technique_entries() {
         {describe_sm, make_sm},
         {describe_pcf, make_pcf},
         {describe_edsm, make_edsm},
+        {describe_sssm, make_sssm},
         {describe_vsm, make_vsm},
         {describe_esm, make_esm},
         {describe_evsm, make_evsm},
@@ -35,6 +39,8 @@ const std::vector<TechniqueEntry>& technique_entries() {
         {describe_smsr, make_smsr},
         {describe_smsr2, make_smsr2},
         {describe_rsmss, make_rsmss},
+        {describe_rpcf_smsr, make_rpcf_smsr},
+        {describe_rpcf_rsmss, make_rpcf_rsmss},
         {describe_edtsm, make_edtsm},
         {describe_multi, make_multi},
         {describe_exact, make_exact},

@@ -2,14 +2,16 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Times of the stages of techniques and their modes, worked in turn so that a busy machine hurts all alike:
 //
-//     stage_bench [--obj FILE] [--kind spot|sun|point] [--map-size N] [--rounds N] MODE ...
+//     stage_bench [--obj FILE] [--kind spot|sun|point] [--map-size N] [--height PX] [--rounds N] MODE ...
 //
-// A MODE is "technique" or "technique:parameter=value,...", on 1280 x 720 pixels. Each row gives medians over the
-// rounds with cold stage caches: all that runs for the light, and the resolve alone, with their ratios to the rows
-// before. The scene is a mesh on a plane, or the tower of the tests.
+// A MODE is "technique" or "technique:parameter=value,...". Each row gives medians over the
+// rounds with cold stage caches: wall time of all stages and of the resolve alone, with the latter's ratios to the rows
+// before, the greatest difference of its picture to that of the row before, and the processor time of the whole render,
+// which other programs on the machine disturb least. The scene is a mesh on a plane, or the tower of the tests.
 #include <algorithm>
 #include <cstdio>
 #include <cstdlib>
+#include <ctime>
 
 #include "support/technique_runner.h"
 
@@ -21,7 +23,8 @@ namespace {
 struct Mode {
     std::string name, technique;
     ParameterValues parameters;
-    std::vector<double> resolve_ms, all_ms;
+    std::vector<float> picture;
+    std::vector<double> resolve_ms, all_ms, processor_ms;
     std::map<std::string, double> stages_ms;  // of the last round
 };
 
@@ -64,7 +67,12 @@ Mode read_mode(const std::string& text, std::int64_t map_size) {
 void time_mode(TechniqueRunner& runner, const SceneView& view, Mode& mode) {
     runner.engine().stages().clear();
     runner.engine().finish();
-    const RenderStats stats = runner.render(view, mode.technique, mode.parameters).stats;
+    const std::clock_t begin = std::clock();
+    TechniqueRun run = runner.render(view, mode.technique, mode.parameters);
+    const RenderStats& stats = run.stats;
+    runner.engine().finish();
+    mode.processor_ms.push_back(1e3 * double(std::clock() - begin) / CLOCKS_PER_SEC);
+    mode.picture = std::move(run.channels.at("visibility").data);
     double resolve = 0, all = 0;
     mode.stages_ms.clear();
     for (const StageTime& time : stats.times) {
@@ -75,6 +83,12 @@ void time_mode(TechniqueRunner& runner, const SceneView& view, Mode& mode) {
     }
     mode.resolve_ms.push_back(resolve);
     mode.all_ms.push_back(all);
+}
+
+double greatest_difference(const std::vector<float>& a, const std::vector<float>& b) {
+    double greatest = 0;
+    for (std::size_t k = 0; k < a.size(); ++k) greatest = std::max(greatest, double(std::abs(a[k] - b[k])));
+    return greatest;
 }
 
 double median(std::vector<double> values) {
@@ -90,10 +104,12 @@ double median_ratio(const std::vector<double>& values, const std::vector<double>
 
 void print_rows(const std::vector<Mode>& modes) {
     for (std::size_t row = 0; row < modes.size(); ++row) {
-        std::printf("%-48s all %7.1f ms  resolve %7.1f ms  to the rows before:", modes[row].name.c_str(),
-                    median(modes[row].all_ms), median(modes[row].resolve_ms));
+        std::printf(
+            "%-48s processor %7.1f ms  all %7.1f ms  resolve %7.1f ms  to the rows before:", modes[row].name.c_str(),
+            median(modes[row].processor_ms), median(modes[row].all_ms), median(modes[row].resolve_ms));
         for (std::size_t k = 0; k < row; ++k)
             std::printf(" %.2f", median_ratio(modes[row].resolve_ms, modes[k].resolve_ms));
+        if (row > 0) std::printf("  differs by %.2g", greatest_difference(modes[row].picture, modes[row - 1].picture));
         std::printf("\n   ");
         for (const auto& [stage, ms] : modes[row].stages_ms) std::printf(" %s %.1f", stage.c_str(), ms);
         std::printf("\n");
@@ -105,7 +121,7 @@ void print_rows(const std::vector<Mode>& modes) {
 int main(int count, char** words) {
     std::string obj, kind = "spot";
     std::int64_t map_size = 1024;
-    int rounds = 9;
+    int rounds = 9, width = 1280, height = 720;
     std::vector<std::string> texts;
     for (int k = 1; k < count; ++k) {
         const std::string word = words[k];
@@ -120,6 +136,8 @@ int main(int count, char** words) {
             kind = words[k];
         else if (word == "--map-size")
             map_size = std::atoi(words[k]);
+        else if (word == "--height")
+            height = std::max(1, std::atoi(words[k])), width = height * 16 / 9;
         else if (word == "--rounds")
             rounds = std::max(1, std::atoi(words[k]));
         else
@@ -130,7 +148,7 @@ int main(int count, char** words) {
     for (const std::string& text : texts) modes.push_back(read_mode(text, map_size));
     const auto mesh = obj.empty() ? std::nullopt : load_obj(obj);
     if (!obj.empty() && !mesh) stop("cannot read " + obj);
-    SceneView view = mesh ? model_scene(*mesh) : tower_scene();
+    SceneView view = mesh ? model_scene(*mesh, width, height) : tower_scene(width, height);
     const LightKind light_kind = kind == "sun" ? LightKind::Sun : kind == "point" ? LightKind::Point : LightKind::Spot;
     view.scene->lights = {make_light(light_kind, {1.2, 2.6, 4.6}, {0, 0, 0.4}, 60)};
 

@@ -1,0 +1,64 @@
+// SPDX-FileCopyrightText: 2026 Shadow Layers contributors
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Revectorised percentage-closer filtering over smooth borders: the mean of k x k visibilities of rsmss, each of the
+// same sample moved by whole texels.
+// Based on: M. C. F. Macedo, A. L. Apolinario, Revectorization-based shadow mapping, Graphics Interface 2016, 3.4,
+// Eq. 3. Differences: every tap is compared in the receiver's own plane; taps are not evaluated one by one but as runs
+// of a bit pattern, with the same result (docs/techniques/rpcf_rsmss.md); kernels may have an even number of taps.
+// Fails: wide kernels smear contacts as pcf's do; the border's width follows the map's texels.
+#include "techniques/rpcf_rsmss/rpcf_rsmss.h"
+
+#include "stages/revectorised_filter.h"
+#include "techniques/common_parameters.h"
+#include "techniques/parameter_builder.h"
+#include "techniques/revectorised_filter_parameters.h"
+
+namespace shadow_layers {
+namespace {
+
+RevectorisedFilterSettings read_settings(const ParameterValues& values) {
+    RevectorisedFilterSettings settings = revectorised_filter_settings(values);
+    settings.smooth = true;
+    settings.cases_of_paper = values.get_enum("channels") == "paper";
+    return settings;
+}
+
+class RPCFOfRSMSS final : public Technique {
+public:
+    void prepare(Engine& engine, const ParameterValues& parameters) override {
+        filter_.prepare(engine, read_settings(parameters));
+    }
+
+    void render(Engine& engine, const LightTask& task, LayerOutputs& outputs) override {
+        outputs.set("visibility", filter_.run(engine, task.frame, task.light, task.positions.front()));
+    }
+
+private:
+    RevectorisedFilterPass filter_;
+};
+
+}  // namespace
+
+TechniqueDescriptor describe_rpcf_rsmss() {
+    TechniqueDescriptor d;
+    d.id = "rpcf_rsmss";
+    d.label = "RPCF + RSMSS";
+    d.summary = "Revectorised percentage-closer filtering: the mean of k x k smoothed revectorised shadows";
+    d.reference = "Macedo16, section 3.4";
+    d.parameters = revectorised_filter_parameters({
+        enum_parameter("channels", "Channels", "paper")
+            .help("How strips of light or shadow one texel wide are worked")
+            .item("paper", "Paper", "The paper's cases for channels, one run for both sides")
+            .item("disjoint", "Disjoint", "Each side's own run, as coverages that do not overlap"),
+    });
+    d.outputs = visibility_output();
+    d.lights = all_light_kinds();
+    d.limits = "The border's width follows the map's texels, not the light's size";
+    d.needs = [](const ParameterValues& values) { return map_needs(values, read_settings(values).reach()); };
+    d.truth = revectorised_filter_truth;
+    return d;
+}
+
+std::unique_ptr<Technique> make_rpcf_rsmss() { return std::make_unique<RPCFOfRSMSS>(); }
+
+}  // namespace shadow_layers
