@@ -123,15 +123,6 @@ void Texture::set_wrap(GLenum wrap, float border_value) {
     gl().TextureParameterfv(id(), GL_TEXTURE_BORDER_COLOR, border);
 }
 
-bool Texture::set_anisotropy(float most_lookups) {
-    constexpr GLenum kMaxAnisotropy = 0x84FE;  // GL 4.6 or GL_EXT_texture_filter_anisotropic; the loader knows 4.5
-    if (!device().has_extension("GL_EXT_texture_filter_anisotropic") &&
-        !device().has_extension("GL_ARB_texture_filter_anisotropic"))
-        return false;
-    gl().TextureParameterf(id(), kMaxAnisotropy, most_lookups);
-    return true;
-}
-
 void Texture::set_compare(GLenum function) {
     gl().TextureParameteri(id(), GL_TEXTURE_COMPARE_MODE, function ? GL_COMPARE_REF_TO_TEXTURE : GL_NONE);
     if (function) gl().TextureParameteri(id(), GL_TEXTURE_COMPARE_FUNC, GLint(function));

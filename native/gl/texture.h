@@ -38,9 +38,6 @@ public:
     void set_filter(GLenum filter);
     /// GL_CLAMP_TO_EDGE, or GL_CLAMP_TO_BORDER with a border value in all channels.
     void set_wrap(GLenum wrap, float border_value = 0);
-    /// Most lookups along a footprint's longer side; needs a mipmap filter. False, and no change, where the driver does
-    /// not know them.
-    bool set_anisotropy(float most_lookups);
     /// Depth comparison for shadow samplers: GL_GEQUAL (reversed depth), ...; 0 turns it off.
     void set_compare(GLenum function);
 

@@ -70,8 +70,7 @@ public:
     MomentMapMaker(Engine& engine, const DepthMap& depth_map, const MomentMapOptions& options)
         : engine_(engine), depth_tx_(*depth_map.texture), options_(options) {}
 
-    /// `lacks_anisotropy`: it was asked for, and the driver doesn't know it.
-    std::shared_ptr<gl::Texture> make(const std::vector<float>& stretches, bool& lacks_anisotropy) {
+    std::shared_ptr<gl::Texture> make(const std::vector<float>& stretches) {
         const int size = depth_tx_.width(), layers = depth_tx_.layers();
         const int levels = std::min(count_levels(options_.widest_texels), count_levels(size));
         auto texture = std::make_shared<gl::Texture>(
@@ -94,7 +93,6 @@ public:
         }
         make_levels(texture);
         texture->set_filter(levels > 1 ? GL_LINEAR_MIPMAP_LINEAR : GL_LINEAR);
-        lacks_anisotropy = options_.anisotropy > 1 && !texture->set_anisotropy(float(options_.anisotropy));
         return texture;
     }
 
@@ -191,7 +189,7 @@ void MomentMap::bind(const gl::Program& program) const {
 }
 
 int find_reach_texels(const MomentMapOptions& options) {
-    const int levels = options.widest_texels > 1 ? int(std::ceil(1.5 * options.widest_texels)) + 1 : 0;
+    const int levels = options.widest_texels > 1 ? 2 * options.widest_texels + 1 : 0;
     return options.radius + levels;
 }
 
@@ -205,19 +203,15 @@ std::shared_ptr<const MomentMap> render_moment_map(Engine& engine, const LightPo
                                .add(options.radius)
                                .add(options.filter)
                                .add(options.widest_texels)
-                               .add(options.anisotropy)
                                .key();
     auto map = engine.stages().get<MomentMap>(key, [&] {
         auto made = std::make_shared<MomentMap>();
         made->stretches = find_stretches(position);
         made->options = options;
-        made->texture = MomentMapMaker(engine, depth_map, options).make(made->stretches, made->lacks_anisotropy);
+        made->texture = MomentMapMaker(engine, depth_map, options).make(made->stretches);
         made->key = key;
         return made;
     });
-    if (map->lacks_anisotropy)
-        engine.warn("anisotropy = " + std::to_string(options.anisotropy) + " has no effect: the OpenGL driver \"" +
-                    engine.device().renderer() + "\" has no anisotropic texture filter");
     engine.count("map_bytes", std::int64_t(map->byte_size()));
     return map;
 }

@@ -26,7 +26,6 @@ struct MomentMapOptions {
     int radius = 0;              ///< of the blur, 0 to kMostBlurTexels
     BlurFilter filter = BlurFilter::Box;
     int widest_texels = 1;  ///< longest side of a pixel's footprint that lookups average over; 1: no mipmaps
-    int anisotropy = 1;     ///< most lookups along a footprint's longer side
 };
 
 /// A depth map made into something that can be averaged: linear depths (shaders/lib/linear_depth_lib.glsl), encoded,
@@ -38,7 +37,6 @@ struct MomentMap {
     ContentKey key;
     std::vector<float> stretches;  ///< by layer: what turns its reversed depths into linear ones
     MomentMapOptions options;
-    bool lacks_anisotropy = false;  ///< asked for, but unknown to the driver
     std::size_t byte_size() const { return texture->byte_size(); }
 
     /// Binds the map and sets the uniforms of shaders/stages/moment_inputs.glsl. `program` must be in use.
@@ -49,7 +47,7 @@ struct MomentMap {
 int find_reach_texels(const MomentMapOptions& options);
 
 /// Cached by the depth map's key and the options. Adds to "map_bytes"; stages "moment_map", "moment_blur",
-/// "moment_levels". Warns if anisotropic lookups are asked for that the driver doesn't know.
+/// "moment_levels".
 std::shared_ptr<const MomentMap> render_moment_map(Engine& engine, const LightPosition& position,
                                                    const DepthMap& depth_map, const MomentMapOptions& options);
 

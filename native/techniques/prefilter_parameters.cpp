@@ -19,7 +19,6 @@ namespace {
 constexpr int kMapPerFootprint = 64;
 constexpr int kWidestFootprint = 64;
 
-/// Anisotropic lookups go along levels of a mipmap.
 bool has_mipmaps(const ParameterValues& values) {
     return values.get_bool("mipmaps") || values.get_int("anisotropy") > 1;
 }
@@ -42,7 +41,7 @@ std::vector<ParameterSpec> prefilter_parameters(std::vector<ParameterSpec> own) 
         int_parameter("anisotropy", "Anisotropy", 1)
             .range(1, 16)
             .unit("lookups")
-            .help("Most lookups along a long footprint; above 1 mipmaps are on, and the OpenGL driver must know them"),
+            .help("Most lookups along a footprint's longer side; above 1 mipmaps are on"),
         enum_parameter("bits", "Bits", "32")
             .help("Precision of each component of the map")
             .item("32", "32", "32-bit floats")
@@ -61,14 +60,12 @@ MomentMapOptions prefilter_options(const ParameterValues& values) {
     if (has_mipmaps(values)) {
         const unsigned widest = unsigned(values.get_int("map_size")) / kMapPerFootprint;
         options.widest_texels = std::clamp(int(std::bit_floor(widest)), 2, kWidestFootprint);
-        options.anisotropy = int(values.get_int("anisotropy"));
     }
     return options;
 }
 
 gl::Defines prefilter_defines(const ParameterValues& values) {
-    return {{"MIPMAPS", has_mipmaps(values) ? "1" : "0"},
-            {"ANISOTROPIC", values.get_int("anisotropy") > 1 ? "1" : "0"}};
+    return {{"MIPMAPS", has_mipmaps(values) ? "1" : "0"}, {"ANISOTROPY", std::to_string(values.get_int("anisotropy"))}};
 }
 
 TechniqueNeeds prefilter_needs(const ParameterValues& values) {

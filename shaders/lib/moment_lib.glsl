@@ -17,10 +17,8 @@ vec4 encode_variance_fixed(float depth, vec2 exponents) {
 }
 vec2 decode_variance_fixed(vec2 stored) { return vec2(2.0 * stored.x - 1.0, 1.0 - stored.y); }
 
-// [Annen08] Eq. 3, of a depth from 0 to 1.
-vec4 encode_exponential(float depth, vec2 exponents) {
-    return vec4(exp(exponents.x * (0.5 * depth + 0.5)), 0.0, 0.0, 0.0);
-}
+// [Annen08] Eq. 3
+vec4 encode_exponential(float depth, vec2 exponents) { return vec4(exp(exponents.x * depth), 0.0, 0.0, 0.0); }
 
 // [Lauritzen08] 4.2: two warps that keep the order of depths, each with its square.
 vec2 warp_depth(float depth, vec2 exponents) {

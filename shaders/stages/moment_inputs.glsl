@@ -3,8 +3,9 @@
 #pragma once
 
 // A receiver against a moment map: what the map says of its footprint, and the depth to ask about.
-// Defines: MIPMAPS (0, 1: lookups average over the pixel's own footprint too), ANISOTROPIC (0, 1, with MIPMAPS: by the
-// sampler, along the footprint's longer side).
+// Defines: MIPMAPS (0, 1: lookups average over the pixel's own footprint too), ANISOTROPY (with MIPMAPS: most lookups
+// along the footprint's longer side. They are made here and not by the sampler, whose lookups need not lie evenly round
+// the receiver: an average off the middle of a slope is an average of other depths).
 //
 // The footprint's texels lie on the receiver's own plane where nothing is between, spread round its depth by the
 // plane's slope. No bias in scene units is needed to keep that plane from shading itself, only what follows from the
@@ -19,12 +20,11 @@ layout(location = 6) uniform vec4 u_kernel;         // blur: variance per axis, 
 layout(location = 7) uniform float u_unit_roundoff;  // of the map's numbers, relative to 1
 
 struct FilteredReceiver {
-    vec4 moments;          // as stored, averaged
-    float depth;           // -1 at near to 1 at far; moved towards the light by what rounding may have moved it away
-    float variance;        // bound of the plane's depth's variance under the kernel, linearised
-    float deviation;       // its standard deviation, towards the light
-    float reach;           // the plane's farthest step towards the light under the kernel
-    float texel_variance;  // of the plane's depth within one texel
+    vec4 moments;    // as stored, averaged
+    float depth;     // moved towards the light by what rounding may have moved it away
+    float variance;  // bound of the plane's depth's variance under the kernel, linearised
+    float reach;     // the plane's farthest step towards the light under the kernel
+    float cut_off;   // most that its average loses because it ends at the far plane
 };
 
 // Lengths of a pixel's two sides in texels, on the receiver's plane. The neighbour on the nearer side is taken: the
@@ -46,9 +46,11 @@ vec2 find_pixel_side(ivec2 pixel, ivec2 axis, vec3 position_rel, mat4 lc_from_re
     return (moved.xy - at.xy * inverse_w * moved.w) * inverse_w * 0.5 * light.map.x;
 }
 
+// A pixel in the map: `count` lookups in a row along `longer`, each over a square of `side` texels.
 struct PixelFootprint {
-    vec2 side_x, side_y;  // texels, no longer than the mipmaps serve
-    float longest;        // of all pixels of the 2 x 2 that a driver may give one level
+    vec2 longer;
+    float side;  // of all pixels of the 2 x 2 that a driver may give one level
+    int count;
 };
 
 vec2 limit_side(vec2 side, float longest) {
@@ -63,60 +65,56 @@ float widest_of_quad(float value, ivec2 pixel) {
 
 PixelFootprint find_pixel_footprint(ivec2 pixel, Receiver receiver, int layer) {
     mat4 lc_from_rel = light.lc_from_rel[max(layer, 0)];
+    vec2 side_x = limit_side(find_pixel_side(pixel, ivec2(1, 0), receiver.position_rel, lc_from_rel), u_kernel.z);
+    vec2 side_y = limit_side(find_pixel_side(pixel, ivec2(0, 1), receiver.position_rel, lc_from_rel), u_kernel.z);
     PixelFootprint footprint;
-    footprint.side_x = limit_side(find_pixel_side(pixel, ivec2(1, 0), receiver.position_rel, lc_from_rel), u_kernel.z);
-    footprint.side_y = limit_side(find_pixel_side(pixel, ivec2(0, 1), receiver.position_rel, lc_from_rel), u_kernel.z);
-    float own = max(max(length(footprint.side_x), length(footprint.side_y)), 1.0);
-    footprint.longest = min(widest_of_quad(own, pixel), u_kernel.z);
+    footprint.longer = length(side_x) > length(side_y) ? side_x : side_y;
+    float longest = max(length(footprint.longer), 1.0);
+#if ANISOTROPY > 1
+    float shortest = max(min(length(side_x), length(side_y)), 1.0);
+    footprint.count = clamp(int(ceil(longest / shortest)), 1, ANISOTROPY);
+#else
+    footprint.count = 1;
+#endif
+    footprint.side = min(widest_of_quad(longest / float(footprint.count), pixel), u_kernel.z);
     return footprint;
 }
 
 vec4 fetch_moments(MapPoint point, int layer, PixelFootprint footprint) {
-    vec3 place = vec3(point.texel * light.map.y, max(layer, 0));
-#if MIPMAPS && ANISOTROPIC
-    return textureGrad(moment_map_tx, place, footprint.side_x * light.map.y, footprint.side_y * light.map.y);
-#elif MIPMAPS
-    return textureLod(moment_map_tx, place, log2(footprint.longest));
-#else
-    return textureLod(moment_map_tx, place, 0.0);
-#endif
-}
-
-// Depth of the receiver's plane `step_rz` nearer to the light than depth_rz.
-float depth_before(float depth_rz, float step_rz, float stretch) {
-    return linear_depth(min(depth_rz + step_rz, 1.0), stretch);
+    vec4 sum = vec4(0);
+    for (int k = 0; k < footprint.count; ++k) {
+        vec2 texel = point.texel + footprint.longer * ((float(k) + 0.5) / float(footprint.count) - 0.5);
+        sum += textureLod(moment_map_tx, vec3(texel * light.map.y, max(layer, 0)), log2(footprint.side));
+    }
+    return sum / float(footprint.count);
 }
 
 FilteredReceiver filter_receiver(ivec2 pixel, Receiver receiver, int layer, MapPoint point) {
     FilteredReceiver filtered;
     float stretch = u_stretches[max(layer, 0)];
-    PixelFootprint footprint = PixelFootprint(vec2(0), vec2(0), 1.0);
 #if MIPMAPS
-    footprint = find_pixel_footprint(pixel, receiver, layer);
-#endif
+    PixelFootprint footprint = find_pixel_footprint(pixel, receiver, layer);
     filtered.moments = fetch_moments(point, layer, footprint);
+#else
+    PixelFootprint footprint = PixelFootprint(vec2(0), 1.0, 1);
+    filtered.moments = textureLod(moment_map_tx, vec3(point.texel * light.map.y, max(layer, 0)), 0.0);
+#endif
 
     // Between texel centres depths are interpolated: a kernel of two masses, with a variance of at most 1/4. A mipmap's
     // texel of side t adds the box's t^2 / 12 and puts the two masses t apart; a mix of two levels, up to a quarter more.
-    float side = footprint.longest, level_side = exp2(ceil(log2(side)));
-    float variance_texels = u_kernel.x + (side > 1.0 ? 0.42 * side * side : 0.25);
-    float reach_texels = u_kernel.y + 1.5 * level_side - 0.5;
+    // Lookups in a row spread over a length.
+    float side = footprint.side, row = footprint.count > 1 ? length(footprint.longer) : 0.0;
+    float variance_texels = u_kernel.x + (side > 1.0 ? 0.42 * side * side : 0.25) + row * row / 12.0;
+    float reach_texels = u_kernel.y + 1.5 * exp2(ceil(log2(side))) - 0.5 + 0.5 * row;
 
     // A sampler's weights may have eight bits, and the place in the map is rounded.
     float steepness = length(point.gradient), rise = abs(point.gradient.x) + abs(point.gradient.y);
-    float depth_rz = max(point.depth_rz, 0.0) + point.rounding + rise / 256.0;
-    // Texels of the plane beyond the far side are kept as far: where the kernel goes past it, averages are too near by
-    // at most half of what is cut off.
-    float cut_off = max(rise * reach_texels - depth_rz, 0.0);
-    depth_rz = min(depth_rz + 0.5 * cut_off, 1.0);
-
-    filtered.depth = linear_depth(depth_rz, stretch);
+    float depth_rz = min(max(point.depth_rz, 0.0) + point.rounding + rise / 256.0, 1.0);
     float slope = steepness * linear_depth_slope(depth_rz, stretch);
+    filtered.depth = linear_depth(depth_rz, stretch);
     filtered.variance = slope * slope * variance_texels;
-    filtered.reach = filtered.depth - depth_before(depth_rz, rise * reach_texels, stretch);
-    float deviation_rz = min(steepness * sqrt(variance_texels) + 1.5 * cut_off, rise * reach_texels);
-    filtered.deviation = filtered.depth - depth_before(depth_rz, deviation_rz, stretch);
-    float texel_step = filtered.depth - depth_before(depth_rz, steepness, stretch);
-    filtered.texel_variance = texel_step * texel_step / 12.0;
+    filtered.reach = filtered.depth - linear_depth(min(depth_rz + rise * reach_texels, 1.0), stretch);
+    float cut_off_rz = 0.5 * max(rise * reach_texels - depth_rz, 0.0);
+    filtered.cut_off = filtered.depth - linear_depth(min(depth_rz + cut_off_rz, 1.0), stretch);
     return filtered;
 }

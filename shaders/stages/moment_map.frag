@@ -23,6 +23,6 @@ void main() {
     for (int offset = -u_radius; offset <= u_radius; ++offset) {
         int x = clamp(at.x + offset, 0, last);
         float depth_rz = texelFetch(depth_map_tx, ivec3(x, at.y, u_layer), 0).x;
-        stored += u_weights[abs(offset)] * ENCODE(linear_depth(depth_rz, u_stretch), u_exponents);
+        stored += u_weights[abs(offset)] * ENCODE(texel_depth(depth_rz, u_stretch), u_exponents);
     }
 }

@@ -17,13 +17,14 @@
 namespace shadow_layers {
 namespace {
 
-/// exp(c z) of a depth from 0 to 1 and its inverse both fit into the format.
-constexpr double kMostExponent = 87, kMostExponent16 = 11;
+/// exp(c z) of the depths of shaders/lib/linear_depth_lib.glsl, which lie 1.8 apart from near to far, and its inverse
+/// both fit into the format: 150 / 1.8 is below ln 2^126, 19 / 1.8 below ln 65504.
+constexpr double kMostExponent = 150, kMostExponent16 = 19, kNearToFar = 1.8;
 /// The papers' exponent, and what 16 bits have room for.
 constexpr double kAutomatic = 80, kAutomatic16 = kMostExponent16;
 
 double find_exponent(const ParameterValues& values) {
-    return choose_exponent(values, "exponent", kAutomatic, kAutomatic16);
+    return choose_exponent(values, "exponent", kAutomatic, kAutomatic16) / kNearToFar;
 }
 
 MomentMapOptions esm_options(const ParameterValues& values) {
@@ -66,7 +67,7 @@ std::vector<ParameterSpec> esm_parameters() {
     return prefilter_parameters({
         float_parameter("exponent", "Exponent", 0)
             .range(0, kMostExponent)
-            .help("How steeply the test falls over the view's depth; 0: 80, or 11 with 16 bits"),
+            .help("How steeply the test falls over the view's depth; 0: 80, or 19 with 16 bits"),
     });
 }
 

@@ -18,8 +18,9 @@
 namespace shadow_layers {
 namespace {
 
-/// Of the mass, by the format ([Peters17]).
-constexpr double kBias32 = 3e-7, kBias16 = 6e-5;
+/// Of the mass, by the format. [Peters17] gives 3e-7 for 32 bits; here a blur's roundings come before that of storing,
+/// and pictures of one scene at two scales differ visibly up to 1e-6.
+constexpr double kBias32 = 3e-6, kBias16 = 6e-5;
 
 double find_moment_bias(const ParameterValues& values) {
     const double given = 1e-6 * values.get_float("moment_bias");
@@ -68,7 +69,7 @@ std::vector<ParameterSpec> msm_parameters() {
         float_parameter("moment_bias", "Moment Bias", 0)
             .range(0, 10000)
             .unit("ppm")
-            .help("Part of the moments given up for stability; 0: what the format needs, 0.3 or 60"),
+            .help("Part of the moments given up for stability; 0: what the format needs, 3 or 60"),
         float_parameter("bleed_reduction", "Bleed Reduction", 0.02)
             .range(0, 0.95)
             .help("Scales the shadow by 1 / (1 - this), so that what the bound leaves of full shadow does not show"),

@@ -17,8 +17,7 @@ void main() {
     FilteredReceiver filtered = filter_receiver(pixel, receiver, layer, locate_in_map(receiver, layer));
     // The map's numbers are right to a factor of 1 + a few units; exp itself to 3 + 2 |c z| of them.
     float rounding = (8.0 + 4.0 * u_exponent) * exp2(-24.0) + 2.0 * u_unit_roundoff;
-    float blocked_until = 0.5 * filtered.depth + 0.5;
     // [Annen08] Eq. 8
-    float lit = min(filtered.moments.x * exp(rounding - u_exponent * blocked_until), 1.0);
+    float lit = min(filtered.moments.x * exp(rounding - u_exponent * filtered.depth), 1.0);
     visibility = combine_visibility(receiver, layer, lit);
 }

@@ -11,11 +11,9 @@ layout(location = 8) uniform vec2 u_exponents;
 layout(location = 9) uniform float u_bleed_reduction;
 layout(location = 0) out float visibility;
 
-// `slope` of the warp: a depth's variance is that much wider after it, squared.
-float bound_warped(vec2 moments, float warped, float slope, float depth_variance) {
+float bound_warped(vec2 moments, float warped) {
     // The square and the mean's square each carry a few roundings.
-    float rounding = 4.0 * u_unit_roundoff * moments.y;
-    return chebyshev_bound(moments.x, moments.y, warped, slope * slope * depth_variance + rounding);
+    return chebyshev_bound(moments.x, moments.y, warped, 4.0 * u_unit_roundoff * moments.y);
 }
 
 void main() {
@@ -27,16 +25,15 @@ void main() {
     vec2 rounding = (8.0 / max(u_exponents, 1e-6) + 4.0) * exp2(-24.0) + 2.0 * u_unit_roundoff / max(u_exponents, 1e-6);
 
     // The mean of exp(c z) over the receiver's own plane is no smaller than exp(c mean): convex.
-    float depth = filtered.depth - rounding.x;
-    float warped = exp(u_exponents.x * depth);
-    float lit = bound_warped(filtered.moments.xy, warped, u_exponents.x * warped, filtered.texel_variance);
+    float lit = bound_warped(filtered.moments.xy, exp(u_exponents.x * (filtered.depth - rounding.x)));
 #if COMPONENTS == 4
     // That of -exp(-c z) is smaller than -exp(-c mean). Its kernel being bounded, E exp(-c (z - mean)) is at most
-    // exp(c^2 v / 2), v the variance that slope and kernel give: a bias of c v / 2, and never more than the reach.
-    float bias = min(0.5 * u_exponents.y * filtered.variance, filtered.reach);
-    depth = filtered.depth - bias - rounding.y;
-    warped = -exp(-u_exponents.y * depth);
-    lit = min(lit, bound_warped(filtered.moments.zw, warped, u_exponents.y * warped, filtered.texel_variance));
+    // exp(c^2 v / 2), v the variance that slope and kernel give: a bias of c v / 2, and never more than the reach. Nor
+    // more than from the one warp's mean to the other's, or a receiver that the light grazes would see through casters.
+    float apart = log(filtered.moments.x) / u_exponents.x + log(-filtered.moments.z) / u_exponents.y;
+    float bias = min(min(0.5 * u_exponents.y * filtered.variance, filtered.reach), max(apart, 0.0));
+    float lit_behind = bound_warped(filtered.moments.zw, -exp(-u_exponents.y * (filtered.depth - bias - rounding.y)));
+    lit = min(lit, lit_behind);
 #endif
     visibility = combine_visibility(receiver, layer, reduce_bleeding(lit, u_bleed_reduction));
 }

@@ -19,9 +19,12 @@ void main() {
 #else
     vec2 moments = filtered.moments.xy;
 #endif
-    // The mean and its square are each rounded a few times; their difference has that error and none smaller.
+    // The mean and its square are each rounded a few times; their difference has that error and none smaller. The
+    // plane's own variance needs no floor: it is in the map, where the plane is.
     float rounding = 4.0 * u_unit_roundoff;
-    float least_variance = filtered.texel_variance + rounding;
-    float lit = chebyshev_bound(moments.x, moments.y, filtered.depth - rounding, least_variance);
+    // Where it ends at the far plane its mean lies too near, by no more than the deviation that is measured.
+    float variance = max(moments.y - moments.x * moments.x, 0.0);
+    float bias = min(filtered.cut_off, sqrt(variance)) + rounding;
+    float lit = chebyshev_bound(moments.x, moments.y, filtered.depth - bias, rounding);
     visibility = combine_visibility(receiver, layer, reduce_bleeding(lit, u_bleed_reduction));
 }
