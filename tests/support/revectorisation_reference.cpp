@@ -14,8 +14,8 @@ double unit(double value) { return std::clamp(value, 0.0, 1.0); }
 /// Which sides a walk follows; a texel carries it on while any of them is a discontinuity.
 struct Wanted {
     bool left = false, right = false, top = false, bottom = false;
-    bool any_of(const TexelSides& sides) const {
-        return (left && sides.left) || (right && sides.right) || (top && sides.top) || (bottom && sides.bottom);
+    bool any_of(const TexelSides& s) const {
+        return (left && s.left) || (right && s.right) || (top && s.top) || (bottom && s.bottom);
     }
 };
 
@@ -142,7 +142,6 @@ RevectorisedSample dark_channel(const AnswerMap& map, glm::ivec2 texel, glm::dve
 
 double side_depth_x(const TexelSides& sides, glm::dvec2 place) { return sides.left ? place.x : 1 - place.x; }
 double side_depth_y(const TexelSides& sides, glm::dvec2 place) { return sides.top ? place.y : 1 - place.y; }
-
 }  // namespace
 
 bool AnswerMap::at(int x, int y) const {
@@ -189,8 +188,7 @@ RevectorisedSample smsr_by_cases(const AnswerMap& map, glm::ivec2 texel, glm::dv
         return {1 - x.d < 1 - place.y ? 0.0 : 1.0, 7};
     }
     if (across_y) return {bottom_or_top ? 0.0 : 1.0, sides.bottom ? 9 : 10};
-    if (across_x) return {left_or_right ? 0.0 : 1.0, sides.left ? 11 : 12};
-    return {1, 0};
+    return {across_x && left_or_right ? 0.0 : 1.0, across_x ? (sides.left ? 11 : 12) : 0};
 }
 
 RevectorisedSample rsmss_by_cases(const AnswerMap& map, glm::ivec2 texel, glm::dvec2 place, int limit) {
@@ -248,7 +246,7 @@ double smsr_by_rule(const AnswerMap& map, glm::ivec2 texel, glm::dvec2 place, in
 double rsmss_by_rule(const AnswerMap& map, glm::ivec2 texel, glm::dvec2 place, int limit) {
     const bool lit = map.at(texel.x, texel.y);
     const TexelSides sides = find_sides(map, texel);
-    if (sides.count() == 4) return lit ? 0 : 1;
+    if (sides.count() == 4) return lit ? 0.0 : 1.0;
     const auto ramp = [&](double depth, const Oriented& run) {
         return lit ? unit(1 + depth - run.completed()) : unit(run.completed() - depth);
     };
@@ -278,7 +276,7 @@ double rsmss_by_rule(const AnswerMap& map, glm::ivec2 texel, glm::dvec2 place, i
 glm::dvec2 reduced_ways(const AnswerMap& map, glm::ivec2 texel, glm::dvec2 place, int limit) {
     const Wanted all{true, true, true, true};
     if (find_sides(map, texel).count() == 0) return glm::dvec2(0);
-    const auto way = [&](glm::ivec2 step, double at) {
+    const auto way = [&](glm::ivec2 step, double at) {  // of one axis
         const int ahead = walk(map, texel, step, all, limit), back = walk(map, texel, -step, all, limit);
         const double to_ahead = std::abs(ahead) - 1 + (1 - at), to_back = std::abs(back) - 1 + at;
         const double length = std::min(to_ahead + to_back, double(limit));
@@ -296,9 +294,7 @@ double reduced_by_rule(const AnswerMap& map, glm::ivec2 texel, glm::dvec2 place,
 
 double half_level_by_rule(const AnswerMap& map, glm::ivec2 texel, glm::dvec2 place, int limit) {
     const glm::dvec2 ways = reduced_ways(map, texel, place, limit);
-    const bool lit = map.at(texel.x, texel.y);
-    const bool turned = ways.x * ways.y > 0 && ways.x + ways.y < 0.5;
-    return lit != turned ? 1 : 0;
+    return map.at(texel.x, texel.y) != (ways.x * ways.y > 0 && ways.x + ways.y < 0.5) ? 1 : 0;
 }
 
 }  // namespace shadow_layers::testing
