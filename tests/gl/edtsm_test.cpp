@@ -152,6 +152,31 @@ TEST_F(EDTSMTest, TheRampIsSmoothAndHasNoStepInTheMiddle) {
     }
 }
 
+TEST_F(EDTSMTest, ThinGapsAndThinCastersHaveTheirPart) {
+    // A gap between two half-planes, or a bar: both borders lie within the penumbra.
+    constexpr double kThin = 0.15, kWidth = 0.5;
+    for (const bool gap : {true, false}) {
+        SceneView view = make_edge_scene(0, 0, 5).view;
+        view.scene->instances.pop_back();
+        if (gap) {
+            const auto half = view.add("half", make_plane(40));
+            view.place(half, placement({20 + 0.5 * kThin + kEdge, 0, 1}), kInstanceShadow);
+            view.place(half, placement({-20 - 0.5 * kThin + kEdge, 0, 1}), kInstanceShadow);
+        } else {
+            view.place(view.add("bar", make_box({float(kThin), 40, 0.01f})), placement({kEdge, 0, 1}), kInstanceShadow);
+        }
+        const auto run = runner().render(view, "edtsm", fixed_penumbra(kWidth));
+        const RampError error = measure(run, [&](const glm::dvec3& place) {
+            const double low = std::max(place.x - kEdge - 0.5 * kWidth, -0.5 * kThin);
+            const double high = std::min(place.x - kEdge + 0.5 * kWidth, 0.5 * kThin);
+            const double part = std::max(high - low, 0.0) / kWidth;
+            return gap ? part : 1 - part;
+        });
+        EXPECT_LT(error.rms, 0.02) << gap;
+        EXPECT_LT(error.worst, 0.1) << gap;
+    }
+}
+
 TEST_F(EDTSMTest, TheWorldMetricDoesNotDependOnTheView) {
     // The same places of the ground from two cameras.
     const auto sample = [&](double tilt, double distance, const char* metric) {

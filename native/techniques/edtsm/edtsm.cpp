@@ -10,10 +10,11 @@
 // Interface 2017.
 // Differences: the border lies between pixels, so the ramp has no step there; one surface is told by planes and pixel
 // footprints and not by a threshold of depth; the site that is nearest on the surface is looked for, which the one that
-// is nearest on the screen is not where the surface is seen at a slant; the width may come from the light's size, and
-// the ramp is then the light's own profile; the filter's size goes with the penumbra's width.
-// Fails: a penumbra is centred on the border and knows one border at a time, so narrow gaps and thin casters keep a
-// core of full light or shadow; borders that the camera does not see (behind things, off the picture) soften nothing.
+// is nearest on the screen is not where the surface is seen at a slant; the next borders on the same line count too, so
+// that thin casters and narrow gaps have their part; the width may come from the light's size, and the ramp is then the
+// light's own profile; the filter's size goes with the penumbra's width.
+// Fails: more than three borders in one penumbra, and crossing ones; borders that the camera does not see (behind
+// things, off the picture) soften nothing.
 #include "techniques/edtsm/edtsm.h"
 
 #include <algorithm>
@@ -236,7 +237,7 @@ TechniqueDescriptor describe_edtsm() {
     d.parameters = edtsm_parameters();
     d.outputs = visibility_output();
     d.lights = all_light_kinds();
-    d.limits = "Knows one border at a time, and only those that the camera sees";
+    d.limits = "Knows few borders at a time, and only those that the camera sees";
     d.needs = [](const ParameterValues& values) {
         const Source source = make_source(values);
         TechniqueNeeds needs = find_inner_needs(source.technique, source.parameters);

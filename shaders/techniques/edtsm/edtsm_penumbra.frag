@@ -5,7 +5,8 @@
 // the pixel may be a tap of others.
 // Defines: see penumbra_inputs.glsl.
 // Based on: [Macedo17] 3.3, Eq. 1. Differences: among the sites round the nearest one on the screen the one that is
-// nearest on the surface is looked for; a light's own size gives its own profile instead of the straight ramp.
+// nearest on the surface (or across the light's rays) is looked for; a light's own size gives its own profile instead
+// of the straight ramp; the next borders on the same line count too.
 #include "techniques/edtsm/penumbra_inputs.glsl"
 #include "lib/light_cut_lib.glsl"
 #include "lib/nearest_site_lib.glsl"
@@ -27,6 +28,17 @@ uint find_nearest(vec2 pixel) {
     return texelFetch(nearest_tx, clamp(ivec2(round(pixel)), ivec2(0), textureSize(nearest_tx, 0) - 1), 0).x;
 }
 
+// What counts of a way on the surface. From the light, how far two places are apart across its rays: a surface that it
+// grazes has a longer penumbra along them, and another border point answers for it.
+vec3 across(vec3 way, Receiver receiver) {
+#if FROM_LIGHT
+    vec3 ahead = normalize(receiver.to_light);
+    return way - ahead * dot(ahead, way);
+#else
+    return way;
+#endif
+}
+
 // Keeps a site if it is on the receiver's surface and nearer than the best so far.
 void try_site(ivec2 site, ivec2 pixel, Receiver receiver, float side, inout Site best) {
     vec4 border = texelFetch(border_tx, site, 0);
@@ -37,7 +49,7 @@ void try_site(ivec2 site, ivec2 pixel, Receiver receiver, float side, inout Site
     float distance = length(vec2(pixel - site) - border.xy);
 #else
     vec3 way = receiver.position_rel - border.xyz;
-    float distance = length(way);
+    float distance = length(across(way, receiver));
 #endif
     bool is_better = (!best.found || distance < best.distance) &&
                      is_one_surface(receiver.position_rel, receiver.normal, site_rel, site_normal, side);
@@ -54,8 +66,8 @@ void follow_border(ivec2 pixel, Receiver receiver, Footprint footprint, inout Si
     vec2 tangent = vec2(-away.y, away.x);
     int count = away == vec2(0.0) ? 0 : steps;
     for (int k = 0; k < count; ++k) {
-        vec3 along = footprint.dx * tangent.x + footprint.dy * tangent.y;
-        vec3 apart = footprint.dx * away.x + footprint.dy * away.y;
+        vec3 along = across(footprint.dx * tangent.x + footprint.dy * tangent.y, receiver);
+        vec3 apart = across(footprint.dx * away.x + footprint.dy * away.y, receiver);
         float share = dot(apart, along) / max(dot(along, along), 1e-30);
         uint next = find_nearest(vec2(last) + share * tangent);
         if (!is_site(next) || unpack_site(next) == last) break;
@@ -82,11 +94,11 @@ Site find_site(ivec2 pixel, Receiver receiver, Footprint footprint) {
 }
 
 // Part of the light that is not behind the blocker's edge, half of it at least: the edge is taken as straight, at `gap`
-// before the border's point, and parallel to the border there.
+// before the border's point, and across the light's rays.
 float compute_light_fraction(Receiver receiver, Site site) {
     vec3 border_to_light = receiver.to_light + light.place_rel.w * site.way;
     vec3 to_blocker = normalize(border_to_light) * site.gap - site.way;
-    vec3 tangent = cross(receiver.normal, site.way);
+    vec3 tangent = cross(receiver.to_light, site.way);
     float scale = max(length(to_blocker) * length(tangent), 1e-30);
     vec3 plane = cross(to_blocker, tangent) / scale;
     int shape = int(penumbra.light_u.w);
@@ -101,15 +113,68 @@ float compute_light_fraction(Receiver receiver, Site site) {
     return fraction_beside_plane(shape, plane, receiver.to_light, half_u, half_v);
 }
 
-// Distance to the border and width of the penumbra, in the metric's units, to what the light still gives.
-float soften(Receiver receiver, Site site, float width, bool lit) {
+float find_width(Receiver receiver, float gap, float side) {
+#if SCREEN_METRIC
+    return FROM_LIGHT == 1 ? penumbra_width(gap, length(receiver.to_light)) / side : penumbra.width.y;
+#else
+    return penumbra_width(gap, length(receiver.to_light));
+#endif
+}
+
+// Part of the light on the receiver's side of a border.
+float find_share(Receiver receiver, Site site, float side) {
+    if (!site.found) return 1.0;
 #if FROM_LIGHT && !SCREEN_METRIC
-    float more = compute_light_fraction(receiver, site);
+    return compute_light_fraction(receiver, site);
 #else
     // [Macedo17] Eq. 1
-    float more = 0.5 + min(site.distance / max(width, 1e-30), 0.5);
+    return 0.5 + min(site.distance / max(find_width(receiver, site.gap, side), 1e-30), 0.5);
 #endif
-    return lit ? more : 1.0 - more;
+}
+
+// From the receiver to the border's point, in pixels: the way on the surface, in terms of the steps to the next pixels.
+vec2 find_way_px(ivec2 pixel, Footprint footprint, Site site) {
+#if SCREEN_METRIC
+    return vec2(site.pixel - pixel) + texelFetch(border_tx, site.pixel, 0).xy;
+#else
+    float xx = dot(footprint.dx, footprint.dx), yy = dot(footprint.dy, footprint.dy);
+    float xy = dot(footprint.dx, footprint.dy);
+    vec2 along = -vec2(dot(footprint.dx, site.way), dot(footprint.dy, site.way));
+    return vec2(yy * along.x - xy * along.y, xx * along.y - xy * along.x) / max(xx * yy - xy * xy, 1e-30);
+#endif
+}
+
+// The next border on the line through the receiver and the nearest border's point: beyond that point (`direction` 1),
+// or behind the receiver (-1). Both states between the receiver and `reach` are looked at in a few places.
+Site find_next_border(ivec2 pixel, Receiver receiver, Footprint footprint, Site nearest, float reach, float direction,
+                      bool sought) {
+    Site next = Site(false, pixel, vec3(0.0), 0.0, 0.0);
+    vec2 per_unit = direction * find_way_px(pixel, footprint, nearest) / max(nearest.distance, 1e-30);
+    ivec2 last = textureSize(visibility_tx, 0) - 1;
+    float share = 0.125;
+    for (int k = nearest.distance < reach ? 0 : 4; k < 4 && !next.found; ++k, share *= 2.0) {
+        vec2 place = vec2(pixel) + per_unit * mix(nearest.distance, reach, share);
+        ivec2 at = clamp(ivec2(round(place)), ivec2(0), last);
+        if ((texelFetch(visibility_tx, at, 0).x >= 0.5) != sought) continue;
+        uint site = texelFetch(nearest_tx, at, 0).x;
+        if (!is_site(site)) continue;
+        try_site(unpack_site(site), pixel, receiver, footprint.side, next);
+        // Not the nearest border again, and on the right side.
+        next.found = next.found && next.distance > nearest.distance &&
+                     direction * dot(next.way, nearest.way) > 0.0;
+    }
+    return next;
+}
+
+// What is left of the light: the parts beyond the nearest border, the next one beyond it and the one behind the
+// receiver are taken as parallel strips.
+float soften(ivec2 pixel, Receiver receiver, Footprint footprint, Site site, float reach, bool lit) {
+    Site beyond = find_next_border(pixel, receiver, footprint, site, reach, 1.0, lit);
+    Site behind = find_next_border(pixel, receiver, footprint, site, reach, -1.0, !lit);
+    float side = footprint.side;
+    float strip = find_share(receiver, beyond, side) - find_share(receiver, site, side);
+    float other = clamp(max(strip, 0.0) + 1.0 - find_share(receiver, behind, side), 0.0, 1.0);
+    return lit ? 1.0 - other : other;
 }
 
 void main() {
@@ -125,14 +190,11 @@ void main() {
         soft.zw = vec2(depth, 1.0);
         Site site = find_site(pixel, receiver, footprint);
         if (!site.found) continue;
-        float width = penumbra_width(site.gap, length(receiver.to_light));
-#if SCREEN_METRIC
-        width = FROM_LIGHT == 1 ? width / footprint.side : penumbra.width.y;
-#endif
-        soft.x = soften(receiver, site, width, hard >= 0.5);
+        float width = find_width(receiver, site.gap, footprint.side);
+        float reach = 0.5 * width;
+        soft.x = soften(pixel, receiver, footprint, site, reach, hard >= 0.5);
         // Beyond ramp and filter nothing changes any more.
-        float reach = (0.5 + 0.5 * penumbra.width.z) * width * (SCREEN_METRIC == 1 ? 1.0 : stretch_on(receiver));
-        bool is_near = site.distance <= reach;
+        bool is_near = site.distance <= reach + 0.5 * penumbra.width.z * width;
         soft.y = is_near ? 0.5 * penumbra.width.z * width : 0.0;
     }
 }

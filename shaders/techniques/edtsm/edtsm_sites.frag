@@ -35,7 +35,9 @@ Border find_border(ivec2 pixel, bool lit) {
     float side = compute_footprint(camera, receiver.position_rel, receiver.normal).side;
     Border found = Border(0, vec3(0.0), vec2(0.0), receiver);
     for (int k = 0; k < 4; ++k) {
-        if (is_lit(pixel + neighbour(k)) == lit) continue;
+        // A line of one pixel has a border on both sides; their middle would be on none.
+        bool is_opposite = (k & 1) == 1 && found.count > 0 && dot(found.offset_px, vec2(neighbour(k))) < 0.0;
+        if (is_lit(pixel + neighbour(k)) == lit || is_opposite) continue;
         Receiver other = fetch_receiver(pixel + neighbour(k));
         if (receiver.fixed_visibility != kMapDecides || other.fixed_visibility != kMapDecides) continue;
         if (!is_one_surface(receiver.position_rel, receiver.normal, other.position_rel, other.normal, side)) continue;
