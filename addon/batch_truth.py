@@ -20,7 +20,8 @@ from .truth import LightTruth
 from .truth_store import TruthStore
 
 HARD, FILTERED, SOFT, NAMED = "hard", "filtered", "soft", "named"
-# A layer that names no square is compared with the filtered truth of one texel, if that is asked for.
+# A layer that names no square is compared with the filtered truth of one texel, if that is asked for; one without a map
+# with that of its pixels' points.
 PLAIN_FOOTPRINT = Footprint(texels=1.0)
 
 
@@ -60,6 +61,8 @@ class LayerTruth:
             return "hard: Cycles, the light without size"
         if self.kind == SOFT:
             return f"soft: Cycles, the light in its size, {self.samples} samples"
+        if not self.footprint.texels and not self.footprint.world:
+            return "filtered: the exact mask, at the pixels' points"
         side = f"{self.footprint.texels:g} texels" if self.footprint.texels else f"{self.footprint.world:g} scene units"
         return f"filtered: the exact mask over a square of {side}, {self.samples} samples"
 
@@ -90,7 +93,7 @@ class LightTruths:
             world = spec["footprint_world"]
             footprint = Footprint(0.0 if world else spec["footprint_texels"], world)
             if not footprint.texels and not footprint.world and spec["kind"] != FILTERED:
-                footprint = PLAIN_FOOTPRINT
+                footprint = PLAIN_FOOTPRINT if layer.views else Footprint()
             views = tuple((*view["texel_size"], view["view_from_world"].tobytes()) for view in layer.views)
             key: Any = (kind, footprint, views)
         else:

@@ -358,6 +358,13 @@ def test_no_square_is_the_point_itself():
     np.testing.assert_array_equal(hard.visibility, small.visibility)
 
 
+def test_nothing_to_do():
+    found = cast(make_snapshot(GROUND), [make_view("SUN")], np.zeros((0, 3)), 0, np.zeros(0, int), texels=3)
+    assert found.visibility.shape == found.error.shape == (0,) and found.sampled_count == 0
+    points, numbers = put_on_ground([0.0], [0.1])
+    assert cast(make_snapshot(GROUND), [], points, 0, numbers, texels=3).visibility == 1
+
+
 def test_who_does_not_cast():
     points, numbers = put_on_ground([0.0], [0.1])
     snapshot = make_snapshot(GROUND, make_rectangle(-1, 1, -1, 1, 1.0))
