@@ -2,17 +2,15 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "stages/edge_distance_map.h"
 
-#include <algorithm>
-
 #include "base/hash.h"
 #include "light_params.h"
+#include "stages/edge_quads.h"
 
 namespace shadow_layers {
 namespace {
 
 // GL 4.6 or ARB_pipeline_statistics_query; the loader knows 4.5.
 constexpr GLenum kFragmentShaderInvocations = 0x82F4;
-constexpr std::size_t kEdgesPerDraw = 1 << 16;  // cancel checks between draws
 
 /// Counts shaded fragments while it lives; without the extension, those that pass the depth test.
 class FragmentCounter {
@@ -45,18 +43,11 @@ private:
     bool ended_ = false;
 };
 
-void draw_layer(Engine& engine, const std::vector<MapEdge>& edges, EdgeOrder order) {
+DrawState sorting_state(EdgeOrder order) {
     DrawState state;
     state.depth_test = state.depth_write = true;
     state.depth_function = order == EdgeOrder::Stream ? GL_ALWAYS : GL_LESS;
-    for (std::size_t begin = 0; begin < edges.size(); begin += kEdgesPerDraw) {
-        engine.check_cancelled();
-        const std::size_t count = std::min(kEdgesPerDraw, edges.size() - begin);
-        const gl::Buffer edge_buf(engine.device(), std::span<const MapEdge>(edges).subspan(begin, count), "map edges");
-        edge_buf.bind_base(GL_SHADER_STORAGE_BUFFER, kEdgeListSlot);
-        engine.draw_vertices(state, GL_TRIANGLES, GLsizei(6 * count));
-        engine.limit_queue();
-    }
+    return state;
 }
 
 std::shared_ptr<const EdgeDistanceMap> draw_edge_distance_map(Engine& engine, const MapEdgeFinder::Result& found,
@@ -90,7 +81,7 @@ std::shared_ptr<const EdgeDistanceMap> draw_edge_distance_map(Engine& engine, co
         if (std::size_t(layer) >= found.by_view.size()) continue;
         program.use();
         program.set("u_layer", layer);
-        draw_layer(engine, found.by_view[std::size_t(layer)], options.order);
+        draw_edge_quads(engine, found.by_view[std::size_t(layer)], sorting_state(options.order));
         made->edge_quads += std::int64_t(found.by_view[std::size_t(layer)].size());
     }
     made->edge_fragments = fragments.read();

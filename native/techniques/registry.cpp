@@ -18,6 +18,7 @@
 #include "techniques/sm/sm.h"
 #include "techniques/smsr/smsr.h"
 #include "techniques/smsr2/smsr2.h"
+#include "techniques/sssm/sssm.h"
 #include "techniques/technique.h"
 #include "techniques/vsm/vsm.h"
 
@@ -30,6 +31,7 @@ const std::vector<TechniqueEntry>& technique_entries() {
         {describe_sm, make_sm},
         {describe_pcf, make_pcf},
         {describe_edsm, make_edsm},
+        {describe_sssm, make_sssm},
         {describe_vsm, make_vsm},
         {describe_esm, make_esm},
         {describe_evsm, make_evsm},
