@@ -220,7 +220,7 @@ std::vector<ParameterSpec> edtsm_parameters() {
         float_parameter("filter", "Mean Filter", 0.25)
             .range(0, 1)
             .help("Size of the mean filter as a part of the penumbra's width; 0 leaves it out"),
-        int_parameter("overscan", "Overscan", 32)
+        int_parameter("overscan", "Overscan", 16)
             .range(0, 512)
             .unit("px")
             .help("How far beyond the picture's rim borders are looked for")};

@@ -152,16 +152,19 @@ Site find_next_border(ivec2 pixel, Receiver receiver, Footprint footprint, Site 
     vec2 per_unit = direction * find_way_px(pixel, footprint, nearest) / max(nearest.distance, 1e-30);
     ivec2 last = textureSize(visibility_tx, 0) - 1;
     float share = 0.125;
-    for (int k = nearest.distance < reach ? 0 : 4; k < 4 && !next.found; ++k, share *= 2.0) {
+    ivec2 at = pixel;
+    bool is_other = false;
+    for (int k = nearest.distance < reach ? 0 : 4; k < 4 && !is_other; ++k, share *= 2.0) {
         vec2 place = vec2(pixel) + per_unit * mix(nearest.distance, reach, share);
-        ivec2 at = clamp(ivec2(round(place)), ivec2(0), last);
-        if ((texelFetch(visibility_tx, at, 0).x >= 0.5) != sought) continue;
+        at = clamp(ivec2(round(place)), ivec2(0), last);
+        is_other = (texelFetch(visibility_tx, at, 0).x >= 0.5) == sought;
+    }
+    for (int once = is_other ? 0 : 1; once < 1; ++once) {
         uint site = texelFetch(nearest_tx, at, 0).x;
         if (!is_site(site)) continue;
         try_site(unpack_site(site), pixel, receiver, footprint.side, next);
         // Not the nearest border again, and on the right side.
-        next.found = next.found && next.distance > nearest.distance &&
-                     direction * dot(next.way, nearest.way) > 0.0;
+        next.found = next.found && next.distance > nearest.distance && direction * dot(next.way, nearest.way) > 0.0;
     }
     return next;
 }
@@ -188,6 +191,14 @@ void main() {
         Footprint footprint = compute_footprint(camera, receiver.position_rel, receiver.normal);
         float depth = camera.forward.w > 0.5 ? 1.0 / max(footprint.depth_vs, 1e-30) : footprint.depth_vs;
         soft.zw = vec2(depth, 1.0);
+#if !FROM_LIGHT
+        // All sites are at least as far on the screen as the nearest; no slant brings them nearer on the surface, and
+        // the nearer side of a penumbra is little larger on the screen.
+        float unit = SCREEN_METRIC == 1 ? 1.0 : 0.75 * footprint.side;
+        float fixed_width = SCREEN_METRIC == 1 ? penumbra.width.y : penumbra.width.x;
+        float apart_px = length(vec2(pixel - unpack_site(texelFetch(nearest_tx, pixel, 0).x)));
+        if ((apart_px - 1.0) * unit > (0.5 + 0.5 * penumbra.width.z) * fixed_width) continue;
+#endif
         Site site = find_site(pixel, receiver, footprint);
         if (!site.found) continue;
         float width = find_width(receiver, site.gap, footprint.side);
