@@ -43,7 +43,7 @@ class EVSM final : public Technique {
 public:
     void prepare(Engine& engine, const ParameterValues& parameters) override {
         gl::Defines defines = prefilter_defines(parameters);
-        defines["COMPONENTS"] = parameters.get_enum("components");
+        defines.emplace("COMPONENTS", parameters.get_enum("components"));
         program_ = &engine.program("frame/fullscreen.vert", "techniques/evsm/evsm.frag", defines);
     }
 

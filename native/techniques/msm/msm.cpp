@@ -38,7 +38,7 @@ class MSM final : public Technique {
 public:
     void prepare(Engine& engine, const ParameterValues& parameters) override {
         gl::Defines defines = prefilter_defines(parameters);
-        defines["FIXED_POINT"] = has_16_bits(parameters) ? "1" : "0";
+        defines.emplace("FIXED_POINT", has_16_bits(parameters) ? "1" : "0");
         program_ = &engine.program("frame/fullscreen.vert", "techniques/msm/msm.frag", defines);
     }
 

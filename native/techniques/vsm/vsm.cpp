@@ -28,7 +28,7 @@ class VSM final : public Technique {
 public:
     void prepare(Engine& engine, const ParameterValues& parameters) override {
         gl::Defines defines = prefilter_defines(parameters);
-        defines["FIXED_POINT"] = has_16_bits(parameters) ? "1" : "0";
+        defines.emplace("FIXED_POINT", has_16_bits(parameters) ? "1" : "0");
         program_ = &engine.program("frame/fullscreen.vert", "techniques/vsm/vsm.frag", defines);
     }
 
