@@ -31,8 +31,8 @@ public:
     /// triangle; the square is taken in the map's plane (footprint_texels) or in the receiver's (footprint_world);
     /// the receiver's own surface, where it rises before that plane less than it is away, is no blocker. Where the
     /// square's corners, sides' middles and centre agree, they are the answer; elsewhere kFilterSide^2 points are
-    /// taken. Soft: the mean over kLightPositions points of the light's shape, each weighted by the light that it brings.
-    /// Throws Cancelled.
+    /// taken. Soft: the mean over kLightPositions points of the light's shape, each weighted by the light that it
+    /// brings. Throws Cancelled.
     std::vector<float> compute(std::uint32_t light, const TruthSpec& spec, int map_size) const;
 
     /// 1 where the pixel's visibility is decided by what lies between it and the light: its face is turned to the
