@@ -76,8 +76,10 @@ def compare_staircases(compare: Compare, scene: str) -> list[Row]:
 
 
 def compare_filters(compare: Compare, scene: str) -> list[Row]:
-    """rpcf against pcf at equal kernel, each against the exact mask filtered over its own square: a smaller RMSE. By its
-    half texel of shift rpcf_smsr has more wrong than pcf, so it is held by what is wrong without the shift."""
+    """rpcf against pcf at equal kernel, each against the exact mask filtered over its own square: a smaller RMSE.
+
+    By its shift of half a texel rpcf_smsr has more wrong than pcf, so it is held by what is wrong without the shift.
+    """
     techniques = choose("rpcf_smsr", "rpcf_rsmss")
     if not techniques:
         return []
