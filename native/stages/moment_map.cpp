@@ -179,9 +179,8 @@ double compute_blur_variance(int radius, BlurFilter filter) {
 void MomentMap::bind(const gl::Program& program) const {
     texture->bind(kMomentMapUnit);
     set_floats(program, "u_stretches", stretches);
-    program.set("u_kernel",
-                glm::vec4(float(compute_blur_variance(options.radius, options.filter)), float(options.radius),
-                          float(1 << (texture->levels() - 1)), is_float(options.format) ? kMapIsFloat : kMapIsFixed));
+    program.set("u_kernel", glm::vec3(float(compute_blur_variance(options.radius, options.filter)),
+                                      float(options.radius), float(1 << (texture->levels() - 1))));
     const int bits =
         8 * gl::format_info(options.format).bytes_per_texel / gl::format_info(options.format).channel_count;
     const double unit = bits == 32 ? std::exp2(-24) : is_float(options.format) ? std::exp2(-11) : std::exp2(-17);

@@ -7,10 +7,8 @@
 namespace shadow_layers {
 #endif
 
-const int kMomentMapUnit = 2;     // texture unit in the resolve passes, which need no depth map
-const int kMostBlurTexels = 32;   // radius of the widest blur
-const float kMapIsFloat = 1.0f;   // values of a map in floating point carry relative errors,
-const float kMapIsFixed = 0.0f;   // those of a map in fixed point absolute ones
+const int kMomentMapUnit = 2;    // texture unit in the resolve passes, which need no depth map
+const int kMostBlurTexels = 32;  // radius of the widest blur
 
 #ifdef __cplusplus
 }  // namespace shadow_layers

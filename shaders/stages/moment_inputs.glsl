@@ -16,7 +16,7 @@
 
 layout(binding = kMomentMapUnit) uniform sampler2DArray moment_map_tx;
 layout(location = 0) uniform float u_stretches[kMaxViews];  // by layer, see linear_depth
-layout(location = 6) uniform vec4 u_kernel;         // blur: variance per axis, radius; longest mipmapped side; kMapIs...
+layout(location = 6) uniform vec3 u_kernel;  // variance of the blur per axis, its radius, longest mipmapped side
 layout(location = 7) uniform float u_unit_roundoff;  // of the map's numbers, relative to 1
 
 struct FilteredReceiver {
