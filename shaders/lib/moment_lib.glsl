@@ -82,8 +82,8 @@ vec2 find_mass_places(vec4 b, float depth) {
     return places.x < places.y ? places : places.yx;
 }
 
-// [Peters15] Alg. 3: the least part of a distribution with the moments b that lies before `depth` (Hamburger). Exact for
-// two surfaces. `bias` mixes in the moments of a spread distribution, so that rounding can't leave what no distribution
+// [Peters15] Alg. 3: the least part of a distribution with the moments b that lies before `depth` (Hamburger). Exact
+// for two surfaces. `bias` mixes in the moments of a spread distribution, so that rounding can't leave what no distribution
 // has; at most `bias` of the mass comes from there, and is taken off again.
 float block_bound(vec4 moments, float depth, float bias) {
     vec4 b = mix(moments, vec4(0.0, 0.375, 0.0, 0.375), bias);

@@ -101,8 +101,8 @@ FilteredReceiver filter_receiver(ivec2 pixel, Receiver receiver, int layer, MapP
 #endif
 
     // Between texel centres depths are interpolated: a kernel of two masses, with a variance of at most 1/4. A mipmap's
-    // texel of side t adds the box's t^2 / 12 and puts the two masses t apart; a mix of two levels, up to a quarter more.
-    // Lookups in a row spread over a length.
+    // texel of side t adds the box's t^2 / 12 and puts the two masses t apart; a mix of two levels, up to a quarter
+    // more. Lookups in a row spread over a length.
     float side = footprint.side, row = footprint.count > 1 ? length(footprint.longer) : 0.0;
     float variance_texels = u_kernel.x + (side > 1.0 ? 0.42 * side * side : 0.25) + row * row / 12.0;
     float reach_texels = u_kernel.y + 1.5 * exp2(ceil(log2(side))) - 0.5 + 0.5 * row;
