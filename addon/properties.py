@@ -17,6 +17,7 @@ import zlib
 from typing import Any
 
 import bpy
+import numpy as np
 
 from . import bridge
 
@@ -57,6 +58,17 @@ def _description(parameter: dict[str, Any]) -> str:
     return (parameter["help"].rstrip().rstrip(".") or parameter["label"]) + unit
 
 
+def round_inwards(low: float, high: float) -> tuple[float, float]:
+    """Bounds as float32, which Blender keeps them in: rounded to the nearest one the least value could lie below what
+    the core takes."""
+    first, last = np.float32(low), np.float32(high)
+    if float(first) < low:
+        first = np.nextafter(first, np.float32(np.inf))
+    if float(last) > high:
+        last = np.nextafter(last, np.float32(-np.inf))
+    return float(first), float(last)
+
+
 def make_property(parameter: dict[str, Any]) -> Any:
     """A bpy property from a ParameterInfo."""
     common = {"name": parameter["label"], "description": _description(parameter)}
@@ -70,9 +82,8 @@ def make_property(parameter: dict[str, Any]) -> Any:
             limits["update"] = _snap_int(parameter["id"], limits["min"], step)
         return bpy.props.IntProperty(default=int(default), **limits, **common)
     if kind == "float":
-        return bpy.props.FloatProperty(
-            default=float(default), min=float(parameter["min"]), max=float(parameter["max"]), step=10, **common
-        )
+        low, high = round_inwards(float(parameter["min"]), float(parameter["max"]))
+        return bpy.props.FloatProperty(default=float(default), min=low, max=high, step=10, **common)
     items = [(i["id"], i["label"], i["help"], enum_number(i["id"])) for i in parameter["items"]]
     return bpy.props.EnumProperty(items=items, default=str(default), **common)
 
