@@ -53,22 +53,20 @@ TEST_F(RPCFTest, RunsOfHardBordersEqualSingleTaps) {
     unsigned seed = 1;
     for (const Kernel& kernel : kKernels)
         for (int turn = 0; turn < 2; ++turn) {
-            const LightKind kind = kKinds[++seed % 4];
-            EXPECT_EQ(compare(random_view(seed, kind), "rpcf_smsr", kernel.values()), 0) << seed;
+            ++seed;
+            EXPECT_EQ(compare(random_view(seed, kKinds[seed % 4]), "rpcf_smsr", kernel.values()), 0) << seed;
         }
     EXPECT_GT(partly_, 3000u);
 }
 
 TEST_F(RPCFTest, RunsOfSmoothBordersEqualSingleTaps) {
     unsigned seed = 1;
-    for (const Kernel& kernel : kKernels)
-        for (const char* channels : {"paper", "disjoint"}) {
-            ParameterValues given = kernel.values();
-            given.set("channels", std::string(channels));
-            const LightKind kind = kKinds[++seed % 4];
-            EXPECT_LE(compare(random_view(seed, kind), "rpcf_rsmss", given), 1e-5) << seed;
-        }
-    EXPECT_GT(partly_, 3000u);
+    for (const Kernel& kernel : kKernels) {
+        ParameterValues given = kernel.values();
+        given.set("channels", std::string(++seed % 2 ? "paper" : "disjoint"));
+        EXPECT_LE(compare(random_view(seed, kKinds[seed % 4]), "rpcf_rsmss", given), 1e-5) << seed;
+    }
+    EXPECT_GT(partly_, 1000u);
 }
 
 TEST_F(RPCFTest, WideKernelsAreCutIntoTiles) {
