@@ -18,7 +18,7 @@ from .batch_files import BatchError, FileNamer, Progress, make_output_folder, wr
 from .batch_measure import LightMeasurer
 from .batch_render import describe_frame, get_wanted, make_document, render_frame
 from .batch_scene import get_frames, get_owners, set_up
-from .batch_temporal import TemporalRun
+from .batch_temporal import TemporalRun, check_frames
 from .batch_truth import LightTruths, choose_kinds
 from .capture import CapturedFrame, CapturedLayer
 from .compare import flip
@@ -49,6 +49,7 @@ def run_compare(options: argparse.Namespace, progress: Progress) -> None:
     make_output_folder(json_path.parent)
     page_path = folder / "index.html"
     frames = get_frames(scene, options)
+    check_frames(options, frames)
     if options.skip_existing and page_path.is_file():
         done_before = DoneBefore(json_path, folder, make_head(options, scene))
         wanted = get_wanted(scene, view_layers)

@@ -8,7 +8,7 @@ from __future__ import annotations
 import argparse
 import contextlib
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -29,6 +29,12 @@ from .truth_store import TruthStore
 AUX = ("position", "normal", "ids")
 # Seen from the middle of the picture's contents. A light moves shadows by less than itself, the camera all of them.
 DEFAULT_STEPS_DEG = {"light": 0.1, "camera": 0.02}
+
+
+def check_frames(options: argparse.Namespace, frames: Sequence[int]) -> None:
+    """Raises BatchError if the frames don't do for what --temporal asks for."""
+    if options.temporal == "frames" and len(frames) < 2:
+        raise BatchError("--temporal frames wants two frames or more: give them with --frames A..B")
 
 
 @dataclass
@@ -54,11 +60,9 @@ class TemporalRun:
         self.notes: list[str] = []
 
     def run(self, frames: list[int]) -> list[dict[str, Any]]:
-        """One record for each light, technique and truth. Raises BatchError, TruthError."""
+        """One record for each light, technique and truth; `frames` has passed check_frames. BatchError, TruthError."""
         kind = self._options.temporal
         if kind == "frames":
-            if len(frames) < 2:
-                raise BatchError("--temporal frames wants two frames or more: give them with --frames A..B")
             for index, frame in enumerate(frames):
                 self._add_moment(frame, f"temporal [{index + 1}/{len(frames)}] frame {frame}")
             return self._make_records(None, len(frames))

@@ -162,7 +162,9 @@ def test_changes_over_the_scene_s_own_frames(compare, capfd):
     assert record["frames"] == 3 and record["step_deg"] is None and record["measures"]["temporal_truth_rms"] > 0
     capfd.readouterr()
     compare(*arguments, "--temporal", "frames", code=1)
-    assert "two frames or more: give them with --frames" in capfd.readouterr().err
+    said = capfd.readouterr()
+    assert "two frames or more: give them with --frames" in said.err
+    assert "rendering" not in said.out  # told before anything takes time
 
 
 def test_moves_are_tiny_the_same_and_undone(module, blend):
