@@ -4,6 +4,7 @@
 
 #include "base/hash.h"
 #include "depth_range.h"
+#include "engine/banded_draw.h"
 #include "gl/sampler.h"
 #include "light_params.h"
 
@@ -23,14 +24,14 @@ struct RangeTextures {
         steps_tx->bind(kDepthStepsUnit);
     }
     /// Draws all layers with the program in use, which knows them by u_layer.
-    void fill(Engine& engine, const gl::Program& program) const {
+    void fill(Engine& engine, const gl::Program& program, double reads_per_block) const {
         for (int layer = 0; layer < range_tx->layers(); ++layer) {
             gl::Framebuffer target(engine.device(), "depth range layer");
             target.attach_color(0, range_tx, layer);
             target.attach_color(1, steps_tx, layer);
             target.bind();
             program.set("u_layer", layer);
-            engine.draw_fullscreen();
+            draw_fullscreen_in_bands(engine, target.width(), target.height(), reads_per_block);
         }
     }
 };
@@ -42,7 +43,7 @@ void dilate(Engine& engine, const RangeTextures& from, const RangeTextures& to, 
     program.set("u_axis", axis);
     program.set("u_reach_blocks", reach_blocks);
     from.bind();
-    to.fill(engine, program);
+    to.fill(engine, program, 4 * reach_blocks + 2);
 }
 
 std::shared_ptr<const DepthRangeMap> draw_depth_range_map(Engine& engine, const DepthMap& depth_map, int reach_texels) {
@@ -56,7 +57,7 @@ std::shared_ptr<const DepthRangeMap> draw_depth_range_map(Engine& engine, const 
         const gl::ValueSampler plain(engine.device(), kDepthMapUnit, "plain depths");
         program.use();
         depth_tx.bind(kDepthMapUnit);
-        made.fill(engine, program);
+        made.fill(engine, program, kRangeBlockTexels * kRangeBlockTexels);
     }
     if (reach_blocks > 0) {
         const RangeTextures rows(engine, side_blocks, depth_tx.layers());

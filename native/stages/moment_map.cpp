@@ -4,17 +4,15 @@
 
 #include <algorithm>
 #include <cmath>
-#include <functional>
 
 #include "base/hash.h"
+#include "engine/banded_draw.h"
 #include "gl/sampler.h"
 #include "light_params.h"
 #include "moment_limits.h"
 
 namespace shadow_layers {
 namespace {
-
-constexpr double kReadsPerBand = 1e8;  // about 100 ms on a software rasteriser with two threads
 
 /// Float format with as many channels: averages lose nothing on their way to a map of 16 bits.
 GLenum wide_format(GLenum format) {
@@ -34,20 +32,6 @@ int count_levels(int widest_texels) {
     int levels = 1;
     while ((1 << (levels - 1)) < widest_texels) ++levels;
     return levels;
-}
-
-/// Draws over the whole target, in bands of bounded work between which a cancel is heard.
-void draw_in_bands(Engine& engine, const gl::Framebuffer& target, double reads_per_texel) {
-    const double rows = kReadsPerBand / (reads_per_texel * target.width());
-    const int band = std::clamp(int(std::min(rows, double(target.height()))), 1, target.height());
-    for (int y = 0; y < target.height(); y += band) {
-        engine.check_cancelled();
-        DrawState state;
-        state.row_begin = y;
-        state.row_count = std::min(band, target.height() - y);
-        engine.draw_fullscreen(state);
-        if (band < target.height()) engine.limit_queue();
-    }
 }
 
 /// An array of floats, element by element.
@@ -109,7 +93,7 @@ private:
         depth_tx_.bind(kDepthMapUnit);
         const gl::ValueSampler depths(engine_.device(), kDepthMapUnit, "depths as values");
         target.bind();
-        draw_in_bands(engine_, target, 2 * options_.radius + 1);
+        draw_fullscreen_in_bands(engine_, target.width(), target.height(), 2 * options_.radius + 1);
     }
 
     void blur_columns(const gl::Texture& rows_tx, const gl::Framebuffer& target) {
@@ -119,7 +103,7 @@ private:
         set_blur(program, options_);
         rows_tx.bind(0);
         target.bind();
-        draw_in_bands(engine_, target, 2 * options_.radius + 1);
+        draw_fullscreen_in_bands(engine_, target.width(), target.height(), 2 * options_.radius + 1);
     }
 
     void make_levels(const std::shared_ptr<gl::Texture>& texture) {
@@ -137,7 +121,7 @@ private:
                 program.set("u_size", glm::ivec2(target.width(), target.height()));
                 texture->bind(0);
                 target.bind();
-                draw_in_bands(engine_, target, 9);
+                draw_fullscreen_in_bands(engine_, target.width(), target.height(), 9);
             }
         }
     }

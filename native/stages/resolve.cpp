@@ -5,10 +5,10 @@
 #include <algorithm>
 #include <glm/gtc/matrix_transform.hpp>
 
+#include "engine/banded_draw.h"
+
 namespace shadow_layers {
 namespace {
-
-constexpr double kReadsPerBand = 1e8;  // about 50 ms on a software rasteriser with two threads
 
 void set_cube_layers(LightParams& params, const LightPosition& position) {
     params.layer_of_face[0] = glm::ivec4(-1);
@@ -48,39 +48,12 @@ LightParams make_light_params(const Frame& frame, const Light& light, const Ligh
     return params;
 }
 
-void ResolvePass::prepare_target(Engine& engine, const Task& task) {
-    const int width = task.frame.width, height = task.frame.height;
-    const bool same_size = target_tx_ && target_tx_->width() == width && target_tx_->height() == height;
-    if (same_size && target_tx_->format() == task.format && (decided_tx_ || !task.second_program)) return;
-    target_fb_ = gl::Framebuffer();
-    target_tx_ =
-        std::make_shared<gl::Texture>(engine.device(), gl::TextureDesc{task.format, width, height}, "resolved layer");
-    decided_tx_.reset();
-    target_fb_ = gl::Framebuffer(engine.device(), "resolved layer");
-    target_fb_.attach_color(0, target_tx_);
-    if (!task.second_program) return;
-    decided_tx_ = std::make_shared<gl::Texture>(engine.device(), gl::TextureDesc{GL_DEPTH_COMPONENT32F, width, height},
-                                                "decided pixels");
-    target_fb_.attach_depth(decided_tx_);
-}
-
-void ResolvePass::draw(Engine& engine, const Frame& frame, const DrawState& state, double work_per_pixel) {
-    const double rows = kReadsPerBand / (std::max(1.0, work_per_pixel) * std::max(1, frame.width));
-    const int band = std::clamp(int(std::min(rows, double(frame.height))), 1, frame.height);
-    for (int y = 0; y < frame.height; y += band) {
-        engine.check_cancelled();
-        DrawState band_state = state;
-        band_state.row_begin = y;
-        band_state.row_count = std::min(band, frame.height - y);
-        engine.draw_fullscreen(band_state);
-        if (band < frame.height) engine.limit_queue();
-    }
-}
-
 const gl::Texture& ResolvePass::run(Engine& engine, const Task& task) {
     const auto timer = engine.time_stage("resolve");
     const Frame& frame = task.frame;
-    prepare_target(engine, task);
+    std::vector<GLenum> formats{task.format};
+    if (task.second_program) formats.push_back(GL_DEPTH_COMPONENT32F);  // which pixels are decided
+    target_.fit(engine, frame.width, frame.height, formats, "resolved layer");
     if (!params_buf_) params_buf_ = gl::Buffer(engine.device(), sizeof(LightParams), "light params");
     const LightParams params = make_light_params(frame, task.light, task.position);
     params_buf_.write(&params, sizeof params);
@@ -90,22 +63,22 @@ const gl::Texture& ResolvePass::run(Engine& engine, const Task& task) {
     frame.position_tx->bind(kPositionUnit);
     frame.normal_tx->bind(kNormalUnit);
     params_buf_.bind_base(GL_UNIFORM_BUFFER, kLightParamsSlot);
-    target_fb_.bind();
+    target_.framebuffer().bind();
 
     // What the first program decides goes before the cleared depth, where the second one's pixels don't reach.
     DrawState state;
     if (task.second_program) {
-        target_fb_.clear_depth();
+        target_.framebuffer().clear_depth();
         state = DrawState::nearest();
     }
-    draw(engine, frame, state, task.work_per_pixel);
+    draw_fullscreen_in_bands(engine, frame.width, frame.height, task.work_per_pixel, state);
     if (task.second_program) {
         task.second_program->use();
         if (task.bind_second_inputs) task.bind_second_inputs();
         state.depth_write = false;
-        draw(engine, frame, state, task.second_work_per_pixel);
+        draw_fullscreen_in_bands(engine, frame.width, frame.height, task.second_work_per_pixel, state);
     }
-    return *target_tx_;
+    return target_.texture();
 }
 
 }  // namespace shadow_layers

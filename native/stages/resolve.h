@@ -3,9 +3,9 @@
 #pragma once
 
 #include <functional>
-#include <memory>
 
 #include "engine/engine.h"
+#include "engine/picture_target.h"
 #include "frame/frame.h"
 #include "light_params.h"
 #include "lights/light_views.h"
@@ -39,11 +39,7 @@ public:
     const gl::Texture& run(Engine& engine, const Task& task);
 
 private:
-    void prepare_target(Engine& engine, const Task& task);
-    void draw(Engine& engine, const Frame& frame, const DrawState& state, double work_per_pixel);
-
-    std::shared_ptr<gl::Texture> target_tx_, decided_tx_;
-    gl::Framebuffer target_fb_;
+    PictureTarget target_;
     gl::Buffer params_buf_;
 };
 

@@ -16,6 +16,7 @@ namespace {
 
 constexpr float kDiscShape = 0, kSquareShape = 1;  // shaders/lib/light_cut_lib.glsl
 constexpr double kWidestSun = 3.0;                 // radians; a half sky
+constexpr double kReadsPerSite = 45;               // of five receivers, and of the map round one of them
 
 double sun_radius(const Light& light) { return std::tan(0.5 * std::min(light.sun_angle, kWidestSun)); }
 
@@ -66,21 +67,8 @@ void PenumbraBlocks::bind(Engine& engine, const LightTask& task, const PenumbraS
 
 void BorderSites::prepare_targets(Engine& engine, const Frame& frame) {
     if (!stats_buf_) stats_buf_ = gl::Buffer(engine.device(), sizeof(BorderStats), "border stats");
-    if (mask_tx_ && mask_tx_->width() == frame.width && mask_tx_->height() == frame.height) return;
-    candidates_fb_ = gl::Framebuffer();
-    sites_fb_ = gl::Framebuffer();
-    const auto make = [&](GLenum format, const char* label) {
-        return std::make_shared<gl::Texture>(engine.device(), gl::TextureDesc{format, frame.width, frame.height},
-                                             label);
-    };
-    candidates_tx_ = make(GL_R8UI, "border candidates");
-    mask_tx_ = make(GL_R8UI, "border sites");
-    border_tx_ = make(GL_RGBA32F, "border points");
-    candidates_fb_ = gl::Framebuffer(engine.device(), "border candidates");
-    candidates_fb_.attach_color(0, candidates_tx_);
-    sites_fb_ = gl::Framebuffer(engine.device(), "border sites");
-    sites_fb_.attach_color(0, mask_tx_);
-    sites_fb_.attach_color(1, border_tx_);
+    candidates_.fit(engine, frame.width, frame.height, {GL_R8UI}, "border candidates");
+    sites_.fit(engine, frame.width, frame.height, {GL_R8UI, GL_RGBA32F}, "border sites");
 }
 
 PictureTiles BorderSites::find_candidates(Engine& engine, const gl::Texture& hard_tx) {
@@ -88,9 +76,9 @@ PictureTiles BorderSites::find_candidates(Engine& engine, const gl::Texture& har
     program.use();
     program.set("u_pixel", 1.0f / glm::vec2(hard_tx.width(), hard_tx.height()));
     hard_tx.bind(kHardVisibilityUnit);
-    candidates_fb_.bind();
+    candidates_.framebuffer().bind();
     engine.draw_fullscreen();
-    const auto mask = candidates_tx_->download<std::uint8_t>();
+    const auto mask = candidates_.texture().download<std::uint8_t>();
     return PictureTiles(engine.threads(), mask, hard_tx.width(), hard_tx.height());
 }
 
@@ -108,8 +96,8 @@ void BorderSites::draw_sites(Engine& engine, const Frame& frame, const PenumbraS
         plain.emplace(engine.device(), kDepthMapUnit, "plain depths");
         depth_map_tx->bind(kDepthMapUnit);
     }
-    sites_fb_.bind();
-    tiles.draw(engine, program);
+    sites_.framebuffer().bind();
+    tiles.draw(engine, program, kReadsPerSite);
     engine.gl().MemoryBarrier(GL_BUFFER_UPDATE_BARRIER_BIT);
 }
 
@@ -119,13 +107,13 @@ BorderSites::Result BorderSites::find(Engine& engine, const Frame& frame, const 
     prepare_targets(engine, frame);
     PictureTiles tiles = find_candidates(engine, hard_tx);
     stats_buf_.clear();
-    sites_fb_.clear_color_uint(0, 0);
+    sites_.framebuffer().clear_color_uint(0, 0);
     draw_sites(engine, frame, settings, hard_tx, depth_map_tx, tiles);
 
     BorderStats stats{};
     stats_buf_.read(&stats, sizeof stats);
-    return {*mask_tx_,
-            *border_tx_,
+    return {sites_.texture(0),
+            sites_.texture(1),
             std::move(tiles),
             std::int64_t(stats.site_count),
             double(std::bit_cast<float>(stats.largest_reach_bits)),

@@ -2,9 +2,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include <memory>
-
 #include "engine/engine.h"
+#include "engine/picture_target.h"
 #include "penumbra_params.h"
 #include "techniques/edtsm/picture_tiles.h"
 #include "techniques/technique.h"
@@ -54,8 +53,7 @@ private:
     void draw_sites(Engine& engine, const Frame& frame, const PenumbraSettings& settings, const gl::Texture& hard_tx,
                     const gl::Texture* depth_map_tx, const PictureTiles& tiles);
 
-    std::shared_ptr<gl::Texture> candidates_tx_, mask_tx_, border_tx_;
-    gl::Framebuffer candidates_fb_, sites_fb_;
+    PictureTarget candidates_, sites_;  ///< sites: the mask, and the border's points
     gl::Buffer stats_buf_;
 };
 

@@ -21,6 +21,7 @@
 #include <cmath>
 #include <sstream>
 
+#include "engine/picture_target.h"
 #include "light_params.h"
 #include "shadow_layers/error.h"
 #include "stages/depth_map.h"
@@ -34,7 +35,9 @@ namespace shadow_layers {
 namespace {
 
 constexpr double kLeastPenumbra = 1e-6, kLargestPenumbra = 1e6;
-constexpr int kGapReachTexels = 2;  // how far edtsm_sites.frag looks for a border's blocker
+constexpr int kGapReachTexels = 2;       // how far edtsm_sites.frag looks for a border's blocker
+constexpr int kMostFilterReachPx = 512;  // twice kLargestRadiusPx of edtsm_filter.frag
+constexpr double kReadsPerPenumbra = 40;
 
 struct Source {
     std::string technique;
@@ -58,28 +61,6 @@ PenumbraSettings make_settings(const ParameterValues& values) {
             .width_px = values.get_float("penumbra_px"),
             .filter = values.get_float("filter")};
 }
-
-/// A picture that passes draw into. Kept between frames.
-class Picture {
-public:
-    Picture(GLenum format, const char* label) : format_(format), label_(label) {}
-    void prepare(Engine& engine, const Frame& frame) {
-        if (texture_ && texture_->width() == frame.width && texture_->height() == frame.height) return;
-        target_fb_ = gl::Framebuffer();
-        texture_ =
-            std::make_shared<gl::Texture>(engine.device(), gl::TextureDesc{format_, frame.width, frame.height}, label_);
-        target_fb_ = gl::Framebuffer(engine.device(), label_);
-        target_fb_.attach_color(0, texture_);
-    }
-    gl::Framebuffer& target() { return target_fb_; }
-    const gl::Texture& texture() const { return *texture_; }
-
-private:
-    GLenum format_;
-    const char* label_;
-    std::shared_ptr<gl::Texture> texture_;
-    gl::Framebuffer target_fb_;
-};
 
 class EDTSM final : public Technique {
 public:
@@ -135,13 +116,15 @@ private:
         engine.count("reach_px", bound_px);
         engine.count("penumbra_tiles", std::int64_t(tiles.count()));
         const gl::Texture& nearest_tx = transform_.run(engine, sites.mask_tx, {.bound_px = bound_px});
-        for (Picture* picture : {&soft_, &rows_, &whole_}) picture->prepare(engine, frame);
+        soft_.fit(engine, frame.width, frame.height, {GL_RGBA32F}, "penumbra");
+        rows_.fit(engine, frame.width, frame.height, {GL_RGBA32F}, "filtered rows");
+        whole_.fit(engine, frame.width, frame.height, {GL_R32F}, "filtered penumbra");
         // The transform and the source have bound what they like.
         blocks_.bind(engine, task, settings_);
         frame.position_tx->bind(kPositionUnit);
         frame.normal_tx->bind(kNormalUnit);
         draw_penumbra(engine, hard_tx, sites.border_tx, nearest_tx, tiles);
-        filter(engine, hard_tx, tiles);
+        filter(engine, hard_tx, tiles, bound_px);
         return whole_.texture();
     }
 
@@ -149,29 +132,30 @@ private:
                        const gl::Texture& nearest_tx, const PictureTiles& tiles) {
         const auto timer = engine.time_stage("penumbra");
         // Off the tiles there is no tap for the filter.
-        soft_.target().clear_color(0, 0);
+        soft_.framebuffer().clear_color(0, 0);
         penumbra_program_->use();
         hard_tx.bind(kHardVisibilityUnit);
         border_tx.bind(kBorderUnit);
         nearest_tx.bind(kNearestUnit);
-        soft_.target().bind();
-        tiles.draw(engine, *penumbra_program_);
+        soft_.framebuffer().bind();
+        tiles.draw(engine, *penumbra_program_, kReadsPerPenumbra);
     }
 
     /// Rows, then columns; off the tiles the hard visibility stays.
-    void filter(Engine& engine, const gl::Texture& hard_tx, const PictureTiles& tiles) {
+    void filter(Engine& engine, const gl::Texture& hard_tx, const PictureTiles& tiles, int reach_px) {
         const auto timer = engine.time_stage("mean_filter");
+        const double reads = std::min(reach_px, kMostFilterReachPx);  // the window is a part of that
         gl::Defines defines = {{"AXIS", "0"}, {"SCREEN_METRIC", settings_.screen_metric ? "1" : "0"}};
-        const auto draw = [&](const gl::Texture& from, Picture& to) {
+        const auto draw = [&](const gl::Texture& from, PictureTarget& to) {
             const gl::Program& program =
                 engine.program(PictureTiles::kVertexShader, "techniques/edtsm/edtsm_filter.frag", defines);
             program.use();
             from.bind(kSoftUnit);
-            to.target().bind();
-            tiles.draw(engine, program);
+            to.framebuffer().bind();
+            tiles.draw(engine, program, reads);
         };
         if (settings_.filter > 0) {
-            rows_.target().clear_color(0, 0);
+            rows_.framebuffer().clear_color(0, 0);
             draw(soft_.texture(), rows_);
         }
         engine.gl().CopyImageSubData(hard_tx.id(), hard_tx.target(), 0, 0, 0, 0, whole_.texture().id(),
@@ -185,7 +169,7 @@ private:
     PenumbraBlocks blocks_;
     BorderSites sites_;
     DistanceTransform transform_;
-    Picture soft_{GL_RGBA32F, "penumbra"}, rows_{GL_RGBA32F, "filtered rows"}, whole_{GL_R32F, "filtered penumbra"};
+    PictureTarget soft_, rows_, whole_;
     const gl::Program* penumbra_program_ = nullptr;
 };
 
@@ -247,6 +231,8 @@ TechniqueDescriptor describe_edtsm() {
     };
     d.truth = [](const ParameterValues& values) -> TruthSpec {
         if (values.get_enum("penumbra_from") == "light") return {.kind = TruthKind::Soft};
+        // A width in pixels is another one in the scene at each pixel: what holds everywhere is the hard border inside.
+        if (values.get_enum("metric") == "screen") return {};
         return {.kind = TruthKind::Filtered, .footprint_world = values.get_float("penumbra")};
     };
     return d;

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "engine/banded_draw.h"
 #include "penumbra_params.h"
 
 namespace shadow_layers {
@@ -57,7 +58,7 @@ PictureTiles PictureTiles::grown(int reach_px) const {
     return result;
 }
 
-void PictureTiles::draw(Engine& engine, const gl::Program& program) const {
+void PictureTiles::draw(Engine& engine, const gl::Program& program, double reads_per_pixel) const {
     std::vector<PackedRectangle> rectangles;  // tiles of a row that touch are one
     for (int row = 0; row < rows_; ++row)
         for (int column = 0; column < columns_; ++column) {
@@ -68,11 +69,13 @@ void PictureTiles::draw(Engine& engine, const gl::Program& program) const {
                                   pack(row * kSide, std::min((row + 1) * kSide, height_))});
         }
     if (rectangles.empty()) return;
-    engine.check_cancelled();
     const gl::Buffer list_buf(engine.device(), std::span<const PackedRectangle>(rectangles), "picture tiles");
     list_buf.bind_base(GL_SHADER_STORAGE_BUFFER, kTileListSlot);
     program.set("u_picture_size", glm::vec2(width_, height_));
-    engine.draw_vertices({}, GL_TRIANGLES, GLsizei(6 * rectangles.size()));
+    // Tiles lie unevenly: as if all did in some rows, no band is longer than it should be.
+    draw_in_bands(engine, width_, height_, reads_per_pixel, {}, [&](const DrawState& band) {
+        engine.draw_vertices(band, GL_TRIANGLES, GLsizei(6 * rectangles.size()));
+    });
 }
 
 }  // namespace shadow_layers

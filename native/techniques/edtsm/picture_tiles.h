@@ -24,8 +24,9 @@ public:
     /// These tiles and all within `reach_px` of one of their pixels.
     PictureTiles grown(int reach_px) const;
 
-    /// Draws the program in use (vertex: kVertexShader) over the tiles into the bound target of the picture's size.
-    void draw(Engine& engine, const gl::Program& program) const;
+    /// Draws the program in use (vertex: kVertexShader) over the tiles into the bound target of the picture's size, in
+    /// bands between which a cancel is heard; a pixel reads about `reads_per_pixel` texels.
+    void draw(Engine& engine, const gl::Program& program, double reads_per_pixel) const;
     static constexpr const char* kVertexShader = "techniques/edtsm/picture_tiles.vert";
 
 private:

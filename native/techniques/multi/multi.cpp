@@ -11,6 +11,7 @@
 
 #include <algorithm>
 
+#include "engine/picture_target.h"
 #include "stages/resolve.h"
 #include "techniques/common_parameters.h"
 #include "techniques/inner_technique.h"
@@ -50,21 +51,6 @@ LightPattern find_pattern(const std::string& id) {
     return LightPattern::Sequence;
 }
 
-/// A picture to draw into, of the frame's size.
-struct Target {
-    std::shared_ptr<gl::Texture> texture;
-    gl::Framebuffer framebuffer;
-
-    void fit(Engine& engine, const Frame& frame, GLenum format, const char* label) {
-        if (texture && texture->width() == frame.width && texture->height() == frame.height) return;
-        framebuffer = gl::Framebuffer();
-        texture =
-            std::make_shared<gl::Texture>(engine.device(), gl::TextureDesc{format, frame.width, frame.height}, label);
-        framebuffer = gl::Framebuffer(engine.device(), label);
-        framebuffer.attach_color(0, texture);
-    }
-};
-
 class Multi final : public Technique {
 public:
     void prepare(Engine& engine, const ParameterValues& parameters) override {
@@ -75,8 +61,8 @@ public:
 
     void render(Engine& engine, const LightTask& task, LayerOutputs& outputs) override {
         const std::vector<LightPosition>& positions = task.positions;
-        sums_.fit(engine, task.frame, GL_RG32F, "weighted visibility");
-        sums_.framebuffer.clear_color(0, 0, 0);
+        sums_.fit(engine, task.frame.width, task.frame.height, {GL_RG32F}, "weighted visibility");
+        sums_.framebuffer().clear_color(0, 0, 0);
         // All alike: a light without size.
         const std::size_t count = positions.front().is_same_place(positions.back()) ? 1 : positions.size();
         for (std::size_t i = 0; i < count; ++i) {
@@ -105,7 +91,7 @@ private:
         task.frame.position_tx->bind(kPositionUnit);
         task.frame.normal_tx->bind(kNormalUnit);
         visibility.bind(kDepthMapUnit);
-        sums_.framebuffer.bind();
+        sums_.framebuffer().bind();
         DrawState state;
         state.blend = true;
         engine.draw_fullscreen(state);
@@ -113,18 +99,18 @@ private:
 
     const gl::Texture& divide_sums(Engine& engine, const Frame& frame) {
         const auto timer = engine.time_stage("multi_divide");
-        mean_.fit(engine, frame, GL_R32F, "mean visibility");
+        mean_.fit(engine, frame.width, frame.height, {GL_R32F}, "mean visibility");
         divide_program_->use();
-        sums_.texture->bind(0);
-        mean_.framebuffer.bind();
+        sums_.texture().bind(0);
+        mean_.framebuffer().bind();
         engine.draw_fullscreen();
-        return *mean_.texture;
+        return mean_.texture();
     }
 
     InnerTechnique inner_;
     const gl::Program* add_program_ = nullptr;
     const gl::Program* divide_program_ = nullptr;
-    Target sums_, mean_;
+    PictureTarget sums_, mean_;
     gl::Buffer params_buf_;
 };
 

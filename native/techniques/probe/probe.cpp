@@ -11,6 +11,7 @@
 
 #include <algorithm>
 
+#include "engine/picture_target.h"
 #include "stages/depth_map.h"
 #include "stages/resolve.h"
 #include "techniques/common_parameters.h"
@@ -22,30 +23,23 @@ namespace {
 class SumPicture {
 public:
     void clear(Engine& engine, int width, int height) {
-        if (!sum_tx_ || sum_tx_->width() != width || sum_tx_->height() != height) {
-            sum_fb_ = gl::Framebuffer();
-            sum_tx_ =
-                std::make_shared<gl::Texture>(engine.device(), gl::TextureDesc{GL_R32F, width, height}, "probe sum");
-            sum_fb_ = gl::Framebuffer(engine.device(), "probe sum");
-            sum_fb_.attach_color(0, sum_tx_);
-        }
-        sum_fb_.clear_color(0, 0);
+        sum_.fit(engine, width, height, {GL_R32F}, "probe sum");
+        sum_.framebuffer().clear_color(0, 0);
     }
     void add(Engine& engine, const gl::Texture& picture, float weight) {
         const gl::Program& program = engine.program("frame/fullscreen.vert", "techniques/probe/probe_scale.frag");
         program.use();
         program.set("u_weight", weight);
         picture.bind(0);
-        sum_fb_.bind();
+        sum_.framebuffer().bind();
         DrawState state;
         state.blend = true;
         engine.draw_fullscreen(state);
     }
-    const gl::Texture& texture() const { return *sum_tx_; }
+    const gl::Texture& texture() const { return sum_.texture(); }
 
 private:
-    std::shared_ptr<gl::Texture> sum_tx_;
-    gl::Framebuffer sum_fb_;
+    PictureTarget sum_;
 };
 
 class Probe final : public Technique {
@@ -94,20 +88,14 @@ private:
     /// The camera-space stage: a box filter over the picture's pixels.
     const gl::Texture& blur(Engine& engine, const gl::Texture& picture, int radius) {
         const auto timer = engine.time_stage("probe_blur");
-        if (!blurred_tx_ || blurred_tx_->width() != picture.width() || blurred_tx_->height() != picture.height()) {
-            blurred_fb_ = gl::Framebuffer();
-            blurred_tx_ = std::make_shared<gl::Texture>(
-                engine.device(), gl::TextureDesc{GL_R32F, picture.width(), picture.height()}, "probe blur");
-            blurred_fb_ = gl::Framebuffer(engine.device(), "probe blur");
-            blurred_fb_.attach_color(0, blurred_tx_);
-        }
+        blurred_.fit(engine, picture.width(), picture.height(), {GL_R32F}, "probe blur");
         const gl::Program& program = engine.program("frame/fullscreen.vert", "techniques/probe/probe_blur.frag");
         program.use();
         program.set("u_radius", radius);
         picture.bind(0);
-        blurred_fb_.bind();
+        blurred_.framebuffer().bind();
         engine.draw_fullscreen();
-        return *blurred_tx_;
+        return blurred_.texture();
     }
 
     /// The CPU stage: largest minus smallest value among a pixel and its eight neighbours.
@@ -142,8 +130,7 @@ private:
     const gl::Program* resolve_program_ = nullptr;
     ResolvePass resolve_;
     SumPicture merged_, one_sample_, supersampled_;
-    std::shared_ptr<gl::Texture> blurred_tx_;
-    gl::Framebuffer blurred_fb_;
+    PictureTarget blurred_;
 };
 
 ParameterSpec int_parameter(std::string id, std::string label, std::string unit, std::string help, int least, int most,
