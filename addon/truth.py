@@ -277,5 +277,8 @@ def find_light_object(name: str) -> bpy.types.Object:
     lights = (thing for thing in bpy.data.objects if thing.type == "LIGHT")
     found = next((thing for thing in lights if object_name(thing) == name), None)
     if found is None:
-        raise TruthError(f'"{name}" is no light object: instanced lights have no truth yet, make them real objects')
+        raise TruthError(
+            f'"{name}" is no light object: instanced lights have no truth yet; make them real objects, or choose '
+            "others with --lights"
+        )
     return found

@@ -269,6 +269,19 @@ def test_several_view_layers_must_be_chosen(compare, blend, tmp_path, capfd):
     assert document["view_layer"] == "Second"
 
 
+def test_instanced_lights_are_refused_before_anything_is_written(compare, blend, tmp_path, capfd):
+    bpy.ops.wm.open_mainfile(filepath=str(blend))
+    collection = bpy.data.collections.new("Lamps")
+    collection.objects.link(bpy.data.objects.new("Lamp", bpy.data.lights.new("Lamp", "POINT")))
+    empty = add("Instancer", None, (1, 0, 3))
+    empty.instance_type, empty.instance_collection = "COLLECTION", collection
+    changed = tmp_path / "instanced.blend"
+    bpy.ops.wm.save_as_mainfile(filepath=str(changed))
+    compare("--techniques", "sm", file=changed, code=1)
+    assert '"Lamp @Instancer" is no light object' in capfd.readouterr().err
+    assert list((tmp_path / "o").iterdir()) == []
+
+
 def test_truth_leaves_nothing_behind(module, blend):
     """The comparison's renders put back what they change: no datablock and no file more after many."""
     bpy.ops.wm.open_mainfile(filepath=str(blend))
