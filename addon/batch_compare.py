@@ -28,7 +28,6 @@ from .compare.report import LightEntry, build_page
 from .compare.table import format_table, format_temporal_table
 from .compare.temporal import TEMPORAL_MEASURES
 from .scene_guard import SceneGuard
-from .truth import find_light_object
 from .truth_store import TruthStore
 
 COMPARE_SCHEMA, COMPARE_SCHEMA_VERSION = "shadow-layers-comparison", 1
@@ -101,7 +100,7 @@ class _Comparison:
         self._frame = 0
 
     def add_frame(self, frame: int, label: str) -> None:
-        """Renders and measures a frame. Raises BatchError, TruthError, the latter also for instanced lights."""
+        """Renders and measures a frame. Raises BatchError, TruthError."""
         self._frame = frame
         captured, frame_record = self._render_layers(frame, label)
         by_light: dict[int, list[CapturedLayer]] = {}
@@ -110,8 +109,6 @@ class _Comparison:
         if not by_light:
             raise BatchError(f"frame {frame}: there is no layer to compare: choose techniques with --techniques")
         snapshot = captured.snapshot
-        for index in by_light:
-            find_light_object(snapshot.lights[index].name)  # told before Cycles renders the others
         size = snapshot.render.width, snapshot.render.height
         ours = Surface(captured.aux["position"], captured.coverage > 0.5)
         store = TruthStore(
@@ -122,6 +119,8 @@ class _Comparison:
             self._scene, self._view_layer, captured, samples=self._options.border_samples,
             folder=self._options.cache, enabled=not self._options.no_cache, threads=self._options.threads or 0,
         )  # fmt: skip
+        for index in by_light:
+            store.check_light(snapshot.lights[index])  # told before Cycles renders the others
         masks_ms: dict[str, float] = {}
         with store:
             with self._progress.step(f"{label}: Cycles, what the camera sees"):

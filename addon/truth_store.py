@@ -17,7 +17,15 @@ from .capture import CapturedFrame, CapturedLayer
 from .compare.light_squares import Footprint
 from .compare.scene_triangles import SceneTriangles, gather_triangles
 from .snapshot import LightData, SceneSnapshot
-from .truth import TRUTH_VERSION, CyclesTruth, LightTruth, SoftTruth, TruthError, TruthSurface
+from .truth import (
+    TRUTH_VERSION,
+    CyclesTruth,
+    LightTruth,
+    SoftTruth,
+    TruthError,
+    TruthSurface,
+    find_light_object,
+)
 from .truth_cache import TruthCache, compute_key
 from .truth_filtered import FILTERED_VERSION, FilteredTruth, compute_filtered_truth
 
@@ -127,6 +135,15 @@ class TruthStore:
         self._stack.__exit__(*error)
         self._cycles = None
 
+    def check_light(self, light: LightData) -> None:
+        """Raises TruthError for a light that Cycles can't render by itself: an instance, or one that is instanced."""
+        if any(other.name.startswith(f"{light.name} @") for other in self._snapshot.lights):
+            raise TruthError(
+                f'"{light.name}" is instanced too, and Cycles can not tell it from its instances: '
+                "choose other lights with --lights"
+            )
+        find_light_object(light.name)
+
     def get_surface(self) -> tuple[TruthSurface, bool]:
         """What Cycles sees, and whether it came from the cache."""
         found = self._load(self._scene_key)
@@ -140,7 +157,7 @@ class TruthStore:
 
     def get_light(self, light: LightData) -> tuple[LightTruth, bool]:
         """A light's truth, and whether it came from the cache. Raises TruthError."""
-        self._check_alone(light)
+        self.check_light(light)
         key = compute_light_key(self._scene_key, light) if self._cache is not None else ""
         found = self._load(key)
         if found is not None:
@@ -158,7 +175,7 @@ class TruthStore:
 
     def get_reached(self, light: LightData) -> NDArray[np.bool_]:
         """The pixels (h, w) that the light, made hard, reaches: for where a border lies. Raises TruthError."""
-        self._check_alone(light)
+        self.check_light(light)
         light_key = compute_light_key(self._scene_key, light) if self._cache is not None else ""
         key = compute_key(light_key, {"truth": "reached"})
         found = self._load(key)
@@ -171,7 +188,7 @@ class TruthStore:
 
     def get_soft(self, light: LightData, sample_count: int) -> tuple[SoftTruth, bool]:
         """The truth of a light in its real size, and whether it came from the cache. Raises TruthError."""
-        self._check_alone(light)
+        self.check_light(light)
         light_key = compute_light_key(self._scene_key, light) if self._cache is not None else ""
         key = compute_soft_key(light_key, light, sample_count)
         found = self._load(key)
@@ -220,13 +237,6 @@ class TruthStore:
             "time_ms": np.float64(truth.time_ms),
         })  # fmt: skip
         return truth, False
-
-    def _check_alone(self, light: LightData) -> None:
-        if any(other.name.startswith(f"{light.name} @") for other in self._snapshot.lights):
-            raise TruthError(
-                f'"{light.name}" is instanced too, and Cycles can not tell it from its instances: '
-                "choose other lights with --lights"
-            )
 
     def _get_cycles(self) -> CyclesTruth:
         if self._cycles is None:
