@@ -101,6 +101,7 @@ private:
 
 FrameResult RenderRun::run() {
     engine_.begin_render();
+    techniques_.begin_render();
     const PixelRect& region = resolved_.region;
     result_.camera_position = glm::dvec3(request_.camera.world_from_camera[3]);
     result_.coverage = {region.width, region.height, 1, std::vector<float>(region_pixels(region), 0.0f)};
@@ -276,10 +277,16 @@ TechniqueSet::TechniqueSet(std::vector<TechniqueEntry> entries) : entries_(std::
 }
 
 Technique& TechniqueSet::get(const std::string& id) {
-    auto& technique = made_[id];
-    for (std::size_t i = 0; i < entries_.size() && !technique; ++i)
-        if (descriptors_[i].id == id) technique = entries_[i].make();
-    return *technique;
+    Made& made = made_[id];
+    made.last_render = render_;
+    for (std::size_t i = 0; i < entries_.size() && !made.technique; ++i)
+        if (descriptors_[i].id == id) made.technique = entries_[i].make();
+    return *made.technique;
+}
+
+void TechniqueSet::begin_render() {
+    ++render_;
+    std::erase_if(made_, [&](const auto& entry) { return entry.second.last_render + kKeptRenders < render_; });
 }
 
 FrameResult run_render(Engine& engine, const std::shared_ptr<FramePool>& pool, TechniqueSet& techniques,

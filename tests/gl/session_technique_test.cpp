@@ -238,5 +238,38 @@ TEST_F(SessionTechniqueTest, ManyLayersOfManySamplesAreWorkedInPasses) {
     EXPECT_LT(layers_[0].channels.at("extra").data[0], 10.0f);
 }
 
+/// Counts those that live.
+class CountedTechnique final : public Technique {
+public:
+    CountedTechnique() { ++count; }
+    ~CountedTechnique() override { --count; }
+    void prepare(Engine&, const ParameterValues&) override {}
+    void render(Engine&, const LightTask&, LayerOutputs&) override {}
+    static inline int count = 0;
+};
+
+/// Techniques hold pictures of the frame's size; those of a choice that was changed long ago must not stay.
+TEST(TechniqueSetTest, LetsGoOfWhatTheLastRendersDidNotUse) {
+    const auto describe_other = [] {
+        TechniqueDescriptor d = describe_scripted();
+        d.id = "other";
+        return d;
+    };
+    const auto make = [] { return std::unique_ptr<Technique>(new CountedTechnique); };
+    TechniqueSet techniques({{describe_scripted, make}, {describe_other, make}});
+    techniques.begin_render();
+    const Technique* const used = &techniques.get("scripted");
+    techniques.get("other");
+    EXPECT_EQ(CountedTechnique::count, 2);
+    for (std::uint64_t render = 0; render < kKeptRenders; ++render) {
+        techniques.begin_render();
+        EXPECT_EQ(&techniques.get("scripted"), used) << "one in use was made anew";
+        EXPECT_EQ(CountedTechnique::count, 2) << "after " << render + 1 << " renders without it";
+    }
+    techniques.begin_render();
+    EXPECT_EQ(&techniques.get("scripted"), used);
+    EXPECT_EQ(CountedTechnique::count, 1);
+}
+
 }  // namespace
 }  // namespace shadow_layers
