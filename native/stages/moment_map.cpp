@@ -14,6 +14,9 @@
 namespace shadow_layers {
 namespace {
 
+// Of the four floats of a tap and what is made of them, against the plain read that bands are measured by.
+constexpr double kWorkPerTap = 6;
+
 /// Float format with as many channels: averages lose nothing on their way to a map of 16 bits.
 GLenum wide_format(GLenum format) {
     switch (gl::format_info(format).channel_count) {
@@ -93,7 +96,7 @@ private:
         depth_tx_.bind(kDepthMapUnit);
         const gl::ValueSampler depths(engine_.device(), kDepthMapUnit, "depths as values");
         target.bind();
-        draw_fullscreen_in_bands(engine_, target.width(), target.height(), 2 * options_.radius + 1);
+        draw_fullscreen_in_bands(engine_, target.width(), target.height(), kWorkPerTap * (2 * options_.radius + 1));
     }
 
     void blur_columns(const gl::Texture& rows_tx, const gl::Framebuffer& target) {
@@ -103,7 +106,7 @@ private:
         set_blur(program, options_);
         rows_tx.bind(0);
         target.bind();
-        draw_fullscreen_in_bands(engine_, target.width(), target.height(), 2 * options_.radius + 1);
+        draw_fullscreen_in_bands(engine_, target.width(), target.height(), kWorkPerTap * (2 * options_.radius + 1));
     }
 
     void make_levels(const std::shared_ptr<gl::Texture>& texture) {
@@ -121,7 +124,7 @@ private:
                 program.set("u_size", glm::ivec2(target.width(), target.height()));
                 texture->bind(0);
                 target.bind();
-                draw_fullscreen_in_bands(engine_, target.width(), target.height(), 9);
+                draw_fullscreen_in_bands(engine_, target.width(), target.height(), kWorkPerTap * 9);
             }
         }
     }

@@ -37,7 +37,8 @@ namespace {
 constexpr double kLeastPenumbra = 1e-6, kLargestPenumbra = 1e6;
 constexpr int kGapReachTexels = 2;       // how far edtsm_sites.frag looks for a border's blocker
 constexpr int kMostFilterReachPx = 512;  // twice kLargestRadiusPx of edtsm_filter.frag
-constexpr double kReadsPerPenumbra = 40;
+// Work per pixel, in the plain reads that bands are measured by.
+constexpr double kWorkPerPenumbra = 150, kWorkPerTap = 4;
 
 struct Source {
     std::string technique;
@@ -138,13 +139,13 @@ private:
         border_tx.bind(kBorderUnit);
         nearest_tx.bind(kNearestUnit);
         soft_.framebuffer().bind();
-        tiles.draw(engine, *penumbra_program_, kReadsPerPenumbra);
+        tiles.draw(engine, *penumbra_program_, kWorkPerPenumbra);
     }
 
     /// Rows, then columns; off the tiles the hard visibility stays.
     void filter(Engine& engine, const gl::Texture& hard_tx, const PictureTiles& tiles, int reach_px) {
         const auto timer = engine.time_stage("mean_filter");
-        const double reads = std::min(reach_px, kMostFilterReachPx);  // the window is a part of that
+        const double work = kWorkPerTap * std::min(reach_px, kMostFilterReachPx);  // the window is a part of that
         gl::Defines defines = {{"AXIS", "0"}, {"SCREEN_METRIC", settings_.screen_metric ? "1" : "0"}};
         const auto draw = [&](const gl::Texture& from, PictureTarget& to) {
             const gl::Program& program =
@@ -152,7 +153,7 @@ private:
             program.use();
             from.bind(kSoftUnit);
             to.framebuffer().bind();
-            tiles.draw(engine, program, reads);
+            tiles.draw(engine, program, work);
         };
         if (settings_.filter > 0) {
             rows_.framebuffer().clear_color(0, 0);
