@@ -39,3 +39,11 @@ for info in json.load(open(sys.argv[1], encoding="utf-8"))["techniques"]:
     if not info["test_only"]:
         print(info["id"])' "$1"
 }
+
+# Technique and names of its pictures (truth, layer, difference) of each record in a comparison.json, with tabs between.
+picture_names() {
+    /usr/bin/python3 -c '
+import json, sys
+for record in json.load(open(sys.argv[1], encoding="utf-8"))["records"]:
+    print(record["technique"], *(record[f"{kind}_picture"] for kind in ("truth", "layer", "difference")), sep="\t")' "$1"
+}

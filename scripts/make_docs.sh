@@ -31,13 +31,13 @@ convert "$work/studio/combined.png" -quality 92 "$images/studio.jpg"
 montage "$work"/{box,jenga,hall,fence,studio,city,knot,wall,door,blades}/combined.png -resize 384x216 -tile 4x3 -geometry +4+4 -background '#8a8f98' \
     -quality 90 "$images/scenes.jpg"
 
-# Truth, layer and difference of a part of the tower's shadow, four times enlarged, from a coarse map.
+# The truth that the technique names, layer and difference of a part of the tower's shadow, twice as large, from a coarse map.
 say "pictures of the techniques: ${techniques[*]}"
-batch "$work/jenga.blend" compare --techniques "$(IFS=,; echo "${techniques[*]}")" --map-size 256 --out "$work/compare"
-for technique in "${techniques[@]}"; do
-    montage "$work/compare/Lamp_truth.png" "$work/compare/Lamp_${technique}_layer.png" "$work/compare/Lamp_${technique}_difference.png" \
-        -crop 200x150+800+390 +repage -filter point -resize 200% -tile 3x1 -geometry +4+4 -background '#8a8f98' -depth 8 "$images/$technique.png"
-done
+batch "$work/jenga.blend" compare --techniques "$(IFS=,; echo "${techniques[*]}")" --map-size 256 --border-samples 1 --out "$work/compare"
+while IFS=$'\t' read -r technique pictures; do
+    (cd "$work/compare" && IFS=$'\t' && montage $pictures -crop 200x150+800+390 +repage -filter point -resize 200% -tile 3x1 \
+        -geometry +4+4 -background '#8a8f98' -depth 8 -strip "$images/$technique.png")
+done < <(picture_names "$work/compare/comparison.json")
 say "layers of the studio scene"
 batch "$work/studio.blend" render --techniques edsm --samples 16 --out "$work/layers"
 montage "$work"/layers/{Softbox,Spot,Bulb,Sun}_edsm.png -resize 480x270 -tile 2x2 -geometry +4+4 -background '#8a8f98' -quality 90 "$images/layers.jpg"
