@@ -7,13 +7,24 @@
 
 namespace shadow_layers {
 
+ParameterSpec walk_limit_parameter() {
+    return int_parameter("walk_limit", "Walk Limit", 16)
+        .range(1, 64)
+        .unit("texels")
+        .help("Longest walk along a step of the border; longer steps stay as they are where their end is farther");
+}
+
+ParameterSpec channels_parameter() {
+    return enum_parameter("channels", "Channels", "paper")
+        .help("What becomes of light and shadow that are one texel wide")
+        .item("paper", "Paper", "The paper's cases: one run for both sides")
+        .item("disjoint", "Disjoint Coverage", "Each side has its own run, and what both leave over is lit");
+}
+
 std::vector<ParameterSpec> revectorisation_parameters(std::vector<ParameterSpec> own) {
     std::vector<ParameterSpec> all = {
         map_size_parameter(),
-        int_parameter("walk_limit", "Walk Limit", 16)
-            .range(1, 64)
-            .unit("texels")
-            .help("Longest walk along a step of the border; longer steps stay as they are where their end is farther"),
+        walk_limit_parameter(),
         bool_parameter("epsilon_rule", "Slope Rule", true)
             .help("Let the depth that is compared rise with the receiver's slope along a walk, instead of keeping it"),
     };

@@ -10,6 +10,11 @@
 namespace shadow_layers {
 
 /// Parameters that revectorised techniques share: map_size, walk_limit, epsilon_rule; `own` follow.
+/// Of all that walk along borders, with a filter or without.
+ParameterSpec walk_limit_parameter();
+/// Of all whose borders are smooth; "paper" or "disjoint".
+ParameterSpec channels_parameter();
+
 std::vector<ParameterSpec> revectorisation_parameters(std::vector<ParameterSpec> own);
 
 /// How hard borders are cut: paper, reduced or half.

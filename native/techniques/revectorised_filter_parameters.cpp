@@ -4,6 +4,7 @@
 
 #include "techniques/common_parameters.h"
 #include "techniques/parameter_builder.h"
+#include "techniques/revectorisation_parameters.h"
 
 namespace shadow_layers {
 
@@ -14,10 +15,7 @@ std::vector<ParameterSpec> revectorised_filter_parameters(std::vector<ParameterS
             .range(1, 31)
             .unit("taps")
             .help("Revectorised visibilities per side of the square kernel; 1 is the technique without a filter"),
-        int_parameter("walk_limit", "Walk Limit", 16)
-            .range(1, 64)
-            .unit("texels")
-            .help("Longest walk along a step of the border; longer steps stay as they are where their end is farther"),
+        walk_limit_parameter(),
         int_parameter("spacing", "Spacing", 1)
             .range(1, 8)
             .unit("texels")

@@ -10,7 +10,7 @@
 
 #include "stages/revectorised_filter.h"
 #include "techniques/common_parameters.h"
-#include "techniques/parameter_builder.h"
+#include "techniques/revectorisation_parameters.h"
 #include "techniques/revectorised_filter_parameters.h"
 
 namespace shadow_layers {
@@ -45,12 +45,7 @@ TechniqueDescriptor describe_rpcf_rsmss() {
     d.label = "RPCF + RSMSS";
     d.summary = "Revectorised percentage-closer filtering: the mean of k x k smoothed revectorised shadows";
     d.reference = "Macedo16, section 3.4";
-    d.parameters = revectorised_filter_parameters({
-        enum_parameter("channels", "Channels", "paper")
-            .help("How strips of light or shadow one texel wide are worked")
-            .item("paper", "Paper", "The paper's cases for channels, one run for both sides")
-            .item("disjoint", "Disjoint", "Each side's own run, as coverages that do not overlap"),
-    });
+    d.parameters = revectorised_filter_parameters({channels_parameter()});
     d.outputs = visibility_output();
     d.lights = all_light_kinds();
     d.limits = "The border's width follows the map's texels, not the light's size";

@@ -41,10 +41,7 @@ private:
 
 std::vector<ParameterSpec> rsmss_parameters() {
     return revectorisation_parameters({
-        enum_parameter("channels", "Channels", "paper")
-            .help("What becomes of light and shadow that are one texel wide")
-            .item("paper", "Paper", "The paper's cases: one run for both sides")
-            .item("disjoint", "Disjoint Coverage", "Each side has its own run, and what both leave over is lit"),
+        channels_parameter(),
         bool_parameter("threshold", "Threshold", false)
             .help("Cut the ramp at one half, for hard borders through the middles of the steps"),
     });
