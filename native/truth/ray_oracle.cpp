@@ -13,30 +13,11 @@
 #include "base/thread_pool.h"
 #include "lights/facing.h"
 #include "scene/bounds.h"
+#include "truth/ray_triangle.h"
 
 namespace shadow_layers::truth {
 
 namespace {
-
-using Corners = std::array<glm::dvec3, 3>;
-
-/// Distance along the direction at which the line meets the triangle; its rim counts. The sign of an edge's volume is
-/// the same for both triangles at the edge, because the corners are always taken in the same order.
-std::optional<double> intersect(const glm::dvec3& origin, const glm::dvec3& direction, const Corners& corners) {
-    const glm::dvec3 a = corners[0] - origin, b = corners[1] - origin, c = corners[2] - origin;
-    const auto volume = [&](const glm::dvec3& p, const glm::dvec3& q) {
-        const bool swap = p.x != q.x ? p.x > q.x : p.y != q.y ? p.y > q.y : p.z > q.z;
-        return swap ? -glm::dot(direction, glm::cross(q, p)) : glm::dot(direction, glm::cross(p, q));
-    };
-    const double u = volume(b, c), v = volume(c, a), w = volume(a, b);
-    if ((u < 0 || v < 0 || w < 0) && (u > 0 || v > 0 || w > 0)) return std::nullopt;
-    const double sum = u + v + w;
-    if (sum == 0) return std::nullopt;  // edge-on, or without area
-    const glm::dvec3 normal = glm::cross(b - a, c - a);
-    const double along = glm::dot(direction, normal);
-    if (along == 0) return std::nullopt;
-    return glm::dot(a, normal) / along;
-}
 
 struct Triangle {
     Corners corners;
@@ -57,23 +38,6 @@ struct Query {
     std::optional<RayHit> first;
 };
 
-bool is_neighbour_in_plane(const Corners& self, const Corners& other) {
-    int shared = 0;
-    glm::dvec3 apex = other[0];
-    for (const glm::dvec3& p : other) {
-        if (p == self[0] || p == self[1] || p == self[2])
-            ++shared;
-        else
-            apex = p;
-    }
-    if (shared == 3) return true;
-    if (shared < 2) return false;
-    const glm::dvec3 normal = glm::cross(self[1] - self[0], self[2] - self[0]);
-    const glm::dvec3 reach = apex - self[0];
-    // Float corners of a flat face lie off its plane by some 1e-7 of their distance.
-    return std::abs(glm::dot(normal, reach)) <= 1e-6 * glm::length(normal) * glm::length(reach);
-}
-
 }  // namespace
 
 struct RayOracle::Impl {
@@ -92,7 +56,7 @@ struct RayOracle::Impl {
         if (query.has_self && triangle.ids.instance == query.self.instance &&
             triangle.ids.triangle == query.self.triangle)
             return false;
-        const auto hit = intersect(query.origin, query.direction, triangle.corners);
+        const auto hit = intersect_triangle(query.origin, query.direction, triangle.corners);
         if (!hit || !(*hit > query.near && *hit < query.far)) return false;
         if (query.has_self && is_neighbour_in_plane(query.self_corners, triangle.corners)) return false;
         distance = *hit;
