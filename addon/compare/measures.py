@@ -137,17 +137,10 @@ def measure_layer(
     lit = safe >= LIT_THRESHOLD
     true_lit, true_shadow = comparable & truth_lit, comparable & ~truth_lit
     dark = true_shadow if facing_away is None else true_shadow | facing_away
-    distances = []
-    for fault, far_fault, wrong, opposite in (
-        (WRONG_SHADOW, ACNE, true_lit & ~lit, dark),
-        (WRONG_LIGHT, LEAK, true_shadow & lit, true_lit),
-    ):
-        rows, columns, distance = compute_border_distance_px(wrong, opposite)
-        texel_px = np.zeros(distance.shape) if footprint_px is None else footprint_px(rows, columns)
-        # An infinite distance is far whatever the texel; an infinite texel (light along the face) never lets it be.
-        far = np.isinf(distance) | (distance > np.maximum(FAR_PX, FAR_TEXELS * texel_px))
-        faults[rows, columns] = np.where(far, far_fault, fault)
-        distances.append(distance)
+    distances = [
+        mark_faults(faults, (WRONG_SHADOW, ACNE), true_lit & ~lit, dark, footprint_px),
+        mark_faults(faults, (WRONG_LIGHT, LEAK), true_shadow & lit, true_lit, footprint_px),
+    ]
     counts = np.bincount(faults.ravel(), minlength=LEAK + 1)
     wrong_count = int(counts[1:].sum())
     values: dict[str, float | None] = {
@@ -166,6 +159,23 @@ def measure_layer(
     side = truth_lit if border.lit is None else border.lit
     found = measure_border(visibility, side, comparable, border, texels)
     return LayerMeasures({**values, **found.values}, pixel_count, faults, found)
+
+
+def mark_faults(
+    faults: NDArray[np.uint8],
+    kinds: tuple[int, int],
+    wrong: NDArray[np.bool_],
+    opposite: NDArray[np.bool_],
+    footprint_px: FootprintFunction | None,
+) -> NDArray[np.float64]:
+    """Writes the wrong pixels into `faults`, as the first kind near the border and as the second far from it; returns
+    their border distances in pixels."""
+    rows, columns, distance = compute_border_distance_px(wrong, opposite)
+    texel_px = np.zeros(distance.shape) if footprint_px is None else footprint_px(rows, columns)
+    # An infinite distance is far whatever the texel; an infinite texel (light along the face) never lets it be.
+    far = np.isinf(distance) | (distance > np.maximum(FAR_PX, FAR_TEXELS * texel_px))
+    faults[rows, columns] = np.where(far, kinds[1], kinds[0])
+    return distance
 
 
 def compute_leak_weight(
