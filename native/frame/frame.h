@@ -33,7 +33,8 @@ struct Frame {
     int width = 0, height = 0;
     int overscan_px = 0;  ///< on each side; the region proper starts at (overscan_px, overscan_px)
     PixelRect region;     ///< in the full picture, without overscan
-    Camera camera;        ///< window of exactly this frame: region + overscan, jittered
+    int picture_width = 0, picture_height = 0;  ///< of the full picture, without overscan
+    Camera camera;                              ///< window of exactly this frame: region + overscan, jittered
     glm::dvec3 origin_ws{0.0};
     std::shared_ptr<const Scene> scene;
 

@@ -123,6 +123,8 @@ std::shared_ptr<Frame> FrameMaker::make_empty(const glm::dvec2& offset_px) {
     frame->height = height;
     frame->overscan_px = view_.overscan_px;
     frame->region = view_.region;
+    frame->picture_width = view_.width;
+    frame->picture_height = view_.height;
     frame->camera = crop_camera(view_.camera, view_.width, view_.height, view_.region, view_.overscan_px, offset_px);
     frame->origin_ws = glm::dvec3(view_.camera.world_from_camera[3]);
     frame->scene = view_.scene;

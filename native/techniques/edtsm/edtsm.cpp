@@ -96,15 +96,17 @@ private:
     /// A width that is derived from the light is as wide as it is; one that was asked for may be a slip.
     void check_width(const LightTask& task, const BorderSites::Result& sites) const {
         if (settings_.from_light) return;
-        const int picture_px = std::max(task.frame.width, task.frame.height);
+        const Frame& frame = task.frame;
+        // Of the full picture: a region of it has the same penumbrae.
+        const int picture_px = std::max({frame.width, frame.height, frame.picture_width, frame.picture_height});
         if (sites.penumbra_px <= picture_px) return;
         const bool screen = settings_.screen_metric;
         const double width = screen ? settings_.width_px : settings_.width;
         std::ostringstream allowed;
         allowed << "a number from " << (screen ? 1.0 : kLeastPenumbra) << " to "
                 << width * picture_px / sites.penumbra_px << (screen ? " px" : " scene units")
-                << ": a penumbra may be as wide as the picture, and this one is " << std::lround(sites.penumbra_px)
-                << " px wide on " << task.frame.width << "x" << task.frame.height;
+                << ": a penumbra may be as wide as the picture with its overscan, which is " << picture_px
+                << " px, and this one is " << std::lround(sites.penumbra_px) << " px wide";
         refuse_parameter("edtsm", screen ? "penumbra_px" : "penumbra", width, allowed.str());
     }
 
