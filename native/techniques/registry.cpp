@@ -19,6 +19,7 @@
 #include "techniques/smsr/smsr.h"
 #include "techniques/smsr2/smsr2.h"
 #include "techniques/sssm/sssm.h"
+#include "techniques/sv/sv.h"
 #include "techniques/technique.h"
 #include "techniques/vsm/vsm.h"
 
@@ -32,6 +33,7 @@ const std::vector<TechniqueEntry>& technique_entries() {
         {describe_pcf, make_pcf},
         {describe_edsm, make_edsm},
         {describe_sssm, make_sssm},
+        {describe_sv, make_sv},
         {describe_vsm, make_vsm},
         {describe_esm, make_esm},
         {describe_evsm, make_evsm},
