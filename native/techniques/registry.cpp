@@ -8,6 +8,7 @@
 #include "techniques/exact/exact.h"
 #include "techniques/esm/esm.h"
 #include "techniques/evsm/evsm.h"
+#include "techniques/extsm/extsm.h"
 #include "techniques/msm/msm.h"
 #include "techniques/multi/multi.h"
 #include "techniques/pcf/pcf.h"
@@ -34,6 +35,7 @@ const std::vector<TechniqueEntry>& technique_entries() {
         {describe_edsm, make_edsm},
         {describe_sssm, make_sssm},
         {describe_sv, make_sv},
+        {describe_extsm, make_extsm},
         {describe_vsm, make_vsm},
         {describe_esm, make_esm},
         {describe_evsm, make_evsm},
