@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "shadow_layers/error.h"
+#include "techniques/afsm/afsm.h"
 #include "techniques/edsm/edsm.h"
 #include "techniques/edtsm/edtsm.h"
 #include "techniques/exact/exact.h"
@@ -48,6 +49,7 @@ const std::vector<TechniqueEntry>& technique_entries() {
         {describe_edtsm, make_edtsm},
         {describe_multi, make_multi},
         {describe_exact, make_exact},
+        {describe_afsm, make_afsm},
         {describe_probe, make_probe},
         // clang-format on
     };

@@ -1,0 +1,22 @@
+// SPDX-FileCopyrightText: 2026 Shadow Layers contributors
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <vector>
+
+#include "base/thread_pool.h"
+#include "frame/frame.h"
+#include "receiver_list.h"
+#include "stages/receiver_tiles.h"
+#include "stages/tile_kernel.h"
+
+namespace shadow_layers {
+
+/// The receivers of a view in the order of `sorted`, about the texels of a map of side x side.
+std::vector<ListReceiver> make_list_receivers(const Frame& frame, const ReceiverTiles& sorted, int side,
+                                              ThreadPool& threads);
+
+/// A caster that is set up over the texels of a map of side x side, in float with bounds of its errors.
+ListCaster make_list_caster(const tile_kernel::CasterTriangle& triangle, int side);
+
+}  // namespace shadow_layers
