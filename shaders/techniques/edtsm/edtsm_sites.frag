@@ -3,8 +3,9 @@
 // Sites of the hard shadow's border: pixels with a neighbour on the same surface that the map answers differently.
 // Writes the mask, and for each site the point of the border that it stands for and the gap to the blocker.
 // Defines: see penumbra_inputs.glsl.
-// Based on: [Macedo17] 3.3. Differences: a site's neighbours are four, not eight, and the border is put between them,
-// in the middle of site and neighbour, so that the ramp has no step of a pixel there.
+// Based on: [Macedo17] 3.3. Differences: a site's neighbours are four, not eight, and the border is put between them:
+// where the pixels round the site are those of a straight border, on that line; else in the middle of site and neighbour.
+// So the ramp neither has a step of a pixel there nor repeats the steps of the pixels along the border.
 #include "techniques/edtsm/penumbra_inputs.glsl"
 
 layout(binding = kHardVisibilityUnit) uniform sampler2D visibility_tx;
@@ -50,6 +51,57 @@ Border find_border(ivec2 pixel, bool lit) {
     found.point_rel *= share;
     found.offset_px *= share;
     return found;
+}
+
+// Half the side of the square of pixels that a straight border is fitted to.
+const int kFitReach = 2;
+// Pixels this near to the fitted line may be on either side of it.
+const float kFitSlack_px = 0.75;
+
+bool is_fit_pixel(Receiver receiver, ivec2 pixel, float side) {
+    Receiver other = fetch_receiver(pixel);
+    return other.fixed_visibility == kMapDecides &&
+           is_one_surface(receiver.position_rel, receiver.normal, other.position_rel, other.normal, side);
+}
+
+// The line through the square round the pixel that leaves as much of it lit as there is: lit where dot(xy, p) > z, in
+// pixels from the centre. A square of side W across which a line runs from side to side has the lit part
+// 1/2 - z / (W max(|x|, |y|)).
+vec3 fit_line(ivec2 pixel) {
+    vec2 towards_lit = vec2(0.0);
+    float lit_count = 0.0;
+    for (int y = -kFitReach; y <= kFitReach; ++y)
+        for (int x = -kFitReach; x <= kFitReach; ++x) {
+            float lit = is_lit(pixel + ivec2(x, y)) ? 1.0 : 0.0;
+            lit_count += lit;
+            towards_lit += lit * vec2(x, y);
+        }
+    float width = float(2 * kFitReach + 1);
+    vec2 normal = towards_lit / max(length(towards_lit), 1e-6);
+    float part = lit_count / (width * width);
+    return vec3(normal, (0.5 - part) * width * max(abs(normal.x), abs(normal.y)));
+}
+
+// Are the pixels of the square those of the line, on one surface? Corners, lines and rims of things are not.
+bool is_line(ivec2 pixel, vec3 line, Receiver receiver, float side) {
+    bool fits = abs(line.z) <= 1.0 && line.xy != vec2(0.0);
+    for (int y = -kFitReach; y <= kFitReach && fits; ++y)
+        for (int x = -kFitReach; x <= kFitReach && fits; ++x) {
+            float beyond = dot(line.xy, vec2(x, y)) - line.z;
+            bool may_be = abs(beyond) <= kFitSlack_px || (beyond > 0.0) == is_lit(pixel + ivec2(x, y));
+            fits = may_be && is_fit_pixel(receiver, pixel + ivec2(x, y), side);
+        }
+    return fits;
+}
+
+// Moves the border's point onto the straight border that the pixels round the site are of, if they are.
+void straighten(ivec2 pixel, inout Border found) {
+    Receiver receiver = fetch_receiver(pixel);
+    Footprint footprint = compute_footprint(camera, receiver.position_rel, receiver.normal);
+    vec3 line = fit_line(pixel);
+    if (!is_line(pixel, line, receiver, footprint.side)) return;
+    found.offset_px = line.xy * line.z;
+    found.point_rel = receiver.position_rel + footprint.dx * found.offset_px.x + footprint.dy * found.offset_px.y;
 }
 
 #if FROM_LIGHT
@@ -117,6 +169,7 @@ void main() {
         Border found = find_border(pixel, lit);
         count = found.count;
         if (count == 0) continue;
+        straighten(pixel, found);
         float gap = 0.0;
 #if FROM_LIGHT
         gap = find_gap(found.shadowed);
