@@ -63,9 +63,9 @@ TEST_F(AFSM, EqualsRaysWithTheLightAmongTheCasters) {
 }
 
 TEST_F(AFSM, DoesNotDependOnTheMapSize) {
-    for (const std::int64_t size : {1, 2, 7, 64, 333, 2048})
+    for (const std::int64_t size : {1, 7, 64, 333, 2048})
         for (const LightKind kind : {LightKind::Spot, LightKind::Point})
-            EXPECT_EQ(count_different(random_scene(22, 64, 36, 3), make_light(kind, {2, 1.5, 4}, {0, 0, 0}), size, 30),
+            EXPECT_EQ(count_different(random_scene(22, 112, 63, 6), make_light(kind, {2, 1.5, 4}, {0, 0, 0}), size, 60),
                       0)
                 << size;
 }
