@@ -85,6 +85,16 @@ bool set_forms(const ClipCorner (&corners)[3], CasterTriangle& t) {
     return true;
 }
 
+/// Is there a receiver in the tiles? Only a few tiles are worth looking at.
+bool may_meet_receivers(const CasterTriangle& t, int side, const std::uint32_t* receivers_in_tile) {
+    constexpr int kFewTiles = 16;
+    if (!receivers_in_tile || (t.column_end - t.column_begin) * (t.row_end - t.row_begin) > kFewTiles) return true;
+    for (int row = t.row_begin; row < t.row_end; ++row)
+        for (int column = t.column_begin; column < t.column_end; ++column)
+            if (receivers_in_tile[std::size_t(row) * std::size_t(side) + std::size_t(column)] > 0) return true;
+    return false;
+}
+
 }  // namespace
 
 CasterRow::CasterRow(const Scene& scene, const LightView& view) : scene_(scene), view_(view) {
@@ -98,7 +108,8 @@ CasterRow::CasterRow(const Scene& scene, const LightView& view) : scene_(scene),
     first_.push_back(total);
 }
 
-bool CasterRow::set_up(std::size_t number, int side, double margin, CasterTriangle& t) const {
+bool CasterRow::set_up(std::size_t number, int side, double margin, CasterTriangle& t,
+                       const std::uint32_t* receivers_in_tile) const {
     const std::size_t caster = std::size_t(std::upper_bound(first_.begin(), first_.end(), number) - first_.begin()) - 1;
     t.instance = view_.casters[caster];
     t.triangle = std::uint32_t(number - first_[caster]);
@@ -110,7 +121,8 @@ bool CasterRow::set_up(std::size_t number, int side, double margin, CasterTriang
         const glm::dvec4 lc = lc_from_object_[caster] * glm::dvec4(position, 1.0);
         corners[k] = {{lc.x, lc.y, lc.w}, lc.z};
     }
-    return set_extent(corners, side, margin, t) && set_forms(corners, t);
+    return set_extent(corners, side, margin, t) && may_meet_receivers(t, side, receivers_in_tile) &&
+           set_forms(corners, t);
 }
 
 }  // namespace shadow_layers

@@ -21,8 +21,10 @@ public:
 
     /// Sets up the triangle of this number over side x side tiles of the view: edge functions and depth as linear forms
     /// in clip units, the tiles that it may touch, its ids. `margin`: by how many clip units a receiver may be off.
-    /// False if no tile is touched, or if the light sees the triangle edge-on, so that it casts nothing.
-    bool set_up(std::size_t number, int side, double margin, tile_kernel::CasterTriangle& triangle) const;
+    /// False if no tile is touched, or if the light sees the triangle edge-on, so that it casts nothing. With
+    /// `receivers_in_tile` (side x side counts), small triangles over empty tiles are left out too.
+    bool set_up(std::size_t number, int side, double margin, tile_kernel::CasterTriangle& triangle,
+                const std::uint32_t* receivers_in_tile = nullptr) const;
 
 private:
     const Scene& scene_;

@@ -4,11 +4,8 @@
 
 #include <algorithm>
 #include <atomic>
-#include <cmath>
-#include <limits>
 
-#include "lights/facing.h"
-#include "scene/bounds.h"
+#include "stages/caster_forms.h"
 #include "stages/occlusion_rule.h"
 #include "stages/receiver_tiles.h"
 #include "stages/tile_kernel.h"
@@ -17,119 +14,12 @@ namespace shadow_layers {
 namespace {
 
 using tile_kernel::CasterTriangle;
-using tile_kernel::LinearForm;
 
 // Triangles are set up and drawn in chunks, so that memory stays bounded.
 constexpr std::size_t kChunk = 1 << 16;
 constexpr std::size_t kSetupBlock = 1 << 10;
 constexpr int kBandCount = 16;
 constexpr std::size_t kOpenPairs = 1 << 12;
-// Of sums of a few products in double, each term taken by its magnitude.
-constexpr double kDoubleError = 1e-15;
-
-/// Casters of a view as one row of numbered triangles.
-class CasterList {
-public:
-    CasterList(const Scene& scene, const LightView& view) : scene_(scene), view_(view) {
-        std::size_t total = 0;
-        for (const std::uint32_t instance : view.casters) {
-            first_.push_back(total);
-            total += scene.meshes[scene.instances[instance].mesh]->triangles.size();
-        }
-        first_.push_back(total);
-    }
-    std::size_t size() const { return first_.back(); }
-
-    /// Calls body(instance, triangle, clip matrix) for the numbers [begin, end).
-    template <class Body>
-    void for_each(std::size_t begin, std::size_t end, const Body& body) const {
-        std::size_t at = std::size_t(std::upper_bound(first_.begin(), first_.end(), begin) - first_.begin()) - 1;
-        while (begin < end) {
-            const std::size_t stop = std::min(end, first_[at + 1]);
-            const std::uint32_t index = view_.casters[at];
-            const Instance& instance = scene_.instances[index];
-            const glm::dmat4 lc_from_object = view_.lc_from_ws * instance.world_from_object;
-            const Mesh& mesh = *scene_.meshes[instance.mesh];
-            for (; begin < stop; ++begin) body(index, std::uint32_t(begin - first_[at]), mesh, lc_from_object);
-            ++at;
-        }
-    }
-
-private:
-    const Scene& scene_;
-    const LightView& view_;
-    std::vector<std::size_t> first_;
-};
-
-/// Clip coordinates as the edge functions take them: (x, y, w), and the depth's z apart.
-struct ClipCorner {
-    glm::dvec3 xyw;
-    double z;
-};
-
-double sum_abs(const glm::dvec3& v) { return std::abs(v.x) + std::abs(v.y) + std::abs(v.z); }
-
-/// Tiles that an interval of clip units may touch.
-void set_tile_range(double low, double high, int side, int& begin, int& end) {
-    begin = std::clamp(int(std::floor(std::max((low + 1) * 0.5 * side, 0.0))), 0, side);
-    end = std::clamp(int(std::floor(std::min((high + 1) * 0.5 * side, double(side)))) + 1, 0, side);
-}
-
-/// Tiles and greatest depth; false if no tile is touched. A triangle that reaches behind the light may touch all.
-bool set_extent(const ClipCorner (&corners)[3], int side, double margin, CasterTriangle& t) {
-    t.column_begin = t.row_begin = 0;
-    t.column_end = t.row_end = side;
-    t.greatest_depth = std::numeric_limits<double>::infinity();
-    const double near_w = std::min({corners[0].xyw.z, corners[1].xyw.z, corners[2].xyw.z});
-    const double far_w = std::max({corners[0].xyw.z, corners[1].xyw.z, corners[2].xyw.z});
-    if (!(far_w > 0)) return false;
-    // Outside one plane of the pyramid: also right for corners behind the light.
-    for (int axis = 0; axis < 2; ++axis)
-        for (const double sign : {-1.0, 1.0}) {
-            bool outside = true;
-            for (const ClipCorner& c : corners)
-                outside = outside && sign * c.xyw[axis] > c.xyw.z + margin * std::abs(c.xyw.z);
-            if (outside) return false;
-        }
-    if (!(near_w > 1e-9 * far_w)) return true;
-    glm::dvec2 low(std::numeric_limits<double>::infinity()), high(-low);
-    t.greatest_depth = -std::numeric_limits<double>::infinity();
-    for (const ClipCorner& c : corners) {
-        const glm::dvec2 place = glm::dvec2(c.xyw) / c.xyw.z;
-        low = glm::min(low, place);
-        high = glm::max(high, place);
-        t.greatest_depth = std::max(t.greatest_depth, c.z / c.xyw.z);
-    }
-    set_tile_range(low.x - margin, high.x + margin, side, t.column_begin, t.column_end);
-    set_tile_range(low.y - margin, high.y + margin, side, t.row_begin, t.row_end);
-    return t.column_begin < t.column_end && t.row_begin < t.row_end;
-}
-
-/// Edge functions and depth of a triangle over the view. With q = (x, y, 1) and corners a, b, c as (x, y, w):
-/// det q = (q . b x c) a + (q . c x a) b + (q . a x b) c. So the light's ray through q meets the triangle iff the three
-/// factors have the sign of det = a . b x c, and z / w there is their mean of the corners' z. Nothing is divided by w,
-/// so corners behind the light need no clipping. False if the light sees the triangle edge-on.
-bool set_forms(const ClipCorner (&corners)[3], CasterTriangle& t) {
-    const glm::dvec3 &a = corners[0].xyw, &b = corners[1].xyw, &c = corners[2].xyw;
-    const glm::dvec3 normals[3] = {glm::cross(b, c), glm::cross(c, a), glm::cross(a, b)};
-    const double det = glm::dot(a, normals[0]);
-    if (!(std::abs(det) > 0) || !std::isfinite(det)) return false;
-    const double sign = det > 0 ? 1 : -1, size = std::abs(det);
-    const double error[3] = {sum_abs(b) * sum_abs(c), sum_abs(c) * sum_abs(a), sum_abs(a) * sum_abs(b)};
-    t.depth = {0, 0, 0};
-    t.depth_error = 0;
-    for (int i = 0; i < 3; ++i) {
-        const glm::dvec3 n = sign * normals[i];
-        t.edges[i] = {n.z, n.x, n.y};
-        t.edge_error[i] = 8 * kDoubleError * error[i];
-        const double z = corners[i].z / size;
-        t.depth.at_origin += n.z * z;
-        t.depth.by_x += n.x * z;
-        t.depth.by_y += n.y * z;
-        t.depth_error += 8 * kDoubleError * error[i] * std::abs(z);
-    }
-    return true;
-}
 
 class ViewDraw {
 public:
@@ -161,36 +51,12 @@ private:
         // Places are bounded to this much; a tile's own bound is used where it counts.
         const double margin = 1e-9 + double(sorted_.largest_place_error);
         engine_.threads().parallel_for(count, kSetupBlock, [&](std::size_t from, std::size_t to) {
-            std::size_t slot = from;
-            casters_.for_each(begin + from, begin + to,
-                              [&](std::uint32_t instance, std::uint32_t triangle, const Mesh& mesh,
-                                  const glm::dmat4& lc_from_object) {
-                                  CasterTriangle& t = triangles_[slot++];
-                                  t.instance = instance;
-                                  t.triangle = triangle;
-                                  if (!set_triangle(mesh, lc_from_object, margin, t)) t.row_end = t.row_begin = 0;
-                              });
+            for (std::size_t slot = from; slot < to; ++slot) {
+                CasterTriangle& t = triangles_[slot];
+                if (!casters_.set_up(begin + slot, sorted_.side, margin, t, sorted_.count.data()))
+                    t.row_end = t.row_begin = 0;
+            }
         });
-    }
-
-    bool set_triangle(const Mesh& mesh, const glm::dmat4& lc_from_object, double margin, CasterTriangle& t) const {
-        ClipCorner corners[3];
-        for (int k = 0; k < 3; ++k) {
-            const glm::vec3& position = mesh.positions[mesh.triangles[t.triangle][k]];
-            if (!is_usable_vertex(position)) return false;
-            const glm::dvec4 lc = lc_from_object * glm::dvec4(position, 1.0);
-            corners[k] = {{lc.x, lc.y, lc.w}, lc.z};
-        }
-        return set_extent(corners, sorted_.side, margin, t) && has_receivers(t) && set_forms(corners, t);
-    }
-
-    /// Small triangles over empty tiles end here.
-    bool has_receivers(const CasterTriangle& t) const {
-        if ((t.column_end - t.column_begin) * (t.row_end - t.row_begin) > 16) return true;
-        for (int row = t.row_begin; row < t.row_end; ++row)
-            for (int column = t.column_begin; column < t.column_end; ++column)
-                if (sorted_.count[std::size_t(row) * std::size_t(sorted_.side) + std::size_t(column)] > 0) return true;
-        return false;
     }
 
     void draw_bands(std::size_t count) {
@@ -244,7 +110,7 @@ private:
     const OcclusionRule& rule_;
     ReceiverTiles sorted_;
     std::vector<std::uint8_t>& visible_;
-    CasterList casters_;
+    CasterRow casters_;
     std::vector<CasterTriangle> triangles_;
     const tile_kernel::DrawTriangles draw_triangles_ = tile_kernel::choose_draw_triangles();
     std::atomic<std::uint64_t> tests_{0}, open_pairs_{0};
