@@ -40,12 +40,12 @@ struct OneTile {
         for (std::size_t i = 0; i < answers.open_count; ++i) self.open_pixels.push_back(answers.open[i].pixel);
         answers.open_count = 0;
     }
-    void draw(DrawTriangles draw, const CasterTriangle& triangle) {
+    void draw(DrawTriangles draw_triangles, const CasterTriangle& triangle) {
         Tiles tiles{1,           1.0,      first.data(), count.data(), least_depth.data(), zero.data(),
                     zero.data(), x.data(), y.data(),     depth.data(), pixel.data()};
         Answers answers{visible.data(), ids.data(), open.data(), 0, open.size(), &OneTile::settle, this, 0};
         const std::uint32_t order = 0;
-        draw(&triangle, &order, 1, 0, 1, tiles, answers);
+        draw_triangles(&triangle, &order, 1, 0, 1, tiles, answers);
         settle(this, answers);
     }
 };
