@@ -75,7 +75,7 @@ void RevectorisedFilterPass::prepare(Engine& engine, const RevectorisedFilterSet
         with_tiles.insert(defines.begin(), defines.end());
         evaluator_ = &engine.program("frame/fullscreen.vert", folder + "segments.frag", with_tiles);
     }
-    defines["EARLY_OUT"] = settings.early_out ? "1" : "0";
+    defines["EARLY_OUT"] = std::string(settings.early_out ? "1" : "0");  // gcc 12 warns falsely of a literal
     decider_ = &engine.program("frame/fullscreen.vert", folder + "decide.frag", defines);
 }
 

@@ -163,7 +163,7 @@ private:
         }
         engine.gl().CopyImageSubData(hard_tx.id(), hard_tx.target(), 0, 0, 0, 0, whole_.texture().id(),
                                      whole_.texture().target(), 0, 0, 0, 0, hard_tx.width(), hard_tx.height(), 1);
-        defines["AXIS"] = "1";
+        defines["AXIS"] = std::string("1");  // not a literal: gcc 12 warns of it falsely
         draw(settings_.filter > 0 ? rows_.texture() : soft_.texture(), whole_);
     }
 
