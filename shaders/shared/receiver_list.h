@@ -23,7 +23,7 @@ const int kListFarthestUnit = 1;
 
 const uint kListEnd = 0u;  // links are a receiver's number plus 1: lanes that are off read 0, and must not walk on
 const uint kNoReceiver = 0xFFFFFFFFu;  // bits above those of every depth
-const int kInsertGroup = 64;  // threads
+const int kInsertGroup = 64;           // threads
 
 // A receiver is in one list only, so its number is the node's.
 struct ListReceiver {
