@@ -93,7 +93,7 @@ private:
 std::vector<ParameterSpec> extsm_parameters() {
     return {
         map_size_parameter(),
-        enum_parameter("reading", "Reading", "paper")
+        enum_parameter("reading", "Reading", "forced")
             .help("How depth tests and edges are put together")
             .item("paper", "Paper", "The depth test or the interpolated edge darkens; borders lie 0.7 texels outside")
             .item("forced", "Forced", "Depth tests in the receiver's plane give the sign, the map the distance"),
