@@ -30,7 +30,7 @@ class Step:
     name: str
     title: str
     command: list[str]
-    kind: str  # "check": exit code alone; "pytest" and "ctest": counted
+    kind: str  # "check": exit code alone; "pytest" and "gtest": counted
     parts: tuple[str, ...] = ()  # of scripts/setup.sh
     needs_build: bool = True
 
@@ -63,8 +63,8 @@ def make_steps() -> list[Step]:
     return [
         Step("ruff", "Python style", [tools, "-m", "ruff", "check", "."], "check", ("build",), False),
         Step("format", "C++ layout", [scripts + "format.sh", "--check"], "check", ("test",), False),
-        Step("core", "core, without GL and with", ["ctest", "--test-dir", str(build), "--output-on-failure", "-j2"],
-             "ctest", ("test",)),
+        Step("core", "core, without GL and with", ["ctest", "--test-dir", str(build), "--verbose", "-j2"],
+             "gtest", ("test",)),
         Step("python", "Python outside Blender", [tools, *pytest, "tests/python"], "pytest", ("test",)),
         Step("numpy2", "native module with NumPy 2", [numpy2, *pytest, *sorted(
             str(p.relative_to(root)) for p in (root / "tests" / "python").glob("test_module*.py"))],
@@ -111,14 +111,10 @@ def count_pytest(text: str) -> dict[str, int]:
     return counts
 
 
-def count_ctest(text: str) -> dict[str, int]:
-    counts = {"passed": 0, "failed": 0, "skipped": 0, "error": 0}
-    counts["skipped"] = len(re.findall(r"\*\*\*Skipped", text))
-    closing = re.search(r"(\d+) tests failed out of (\d+)", text)
-    if closing:
-        counts["failed"] = int(closing[1])
-        counts["passed"] = int(closing[2]) - counts["failed"] - counts["skipped"]
-    return counts
+def count_gtest(text: str) -> dict[str, int]:
+    """Numbers of the lines that GoogleTest prints as each test ends, in ctest's verbose output."""
+    words = re.findall(r"^\d+: \[ +(OK|FAILED|SKIPPED) +\] .* \(\d+ ms\)$", text, re.M)
+    return {"passed": words.count("OK"), "failed": words.count("FAILED"), "skipped": words.count("SKIPPED"), "error": 0}
 
 
 def judge(step: Step, code: int, text: str, seconds: float) -> Outcome:
@@ -126,7 +122,7 @@ def judge(step: Step, code: int, text: str, seconds: float) -> Outcome:
     if step.kind == "check":
         outcome.passed, outcome.failed = (1, 0) if code == 0 else (0, 1)
         return outcome
-    counts = count_pytest(text) if step.kind == "pytest" else count_ctest(text)
+    counts = count_pytest(text) if step.kind == "pytest" else count_gtest(text)
     outcome.passed, outcome.skipped = counts["passed"], counts["skipped"]
     outcome.failed = counts["failed"] + counts["error"]
     if outcome.passed + outcome.failed == 0:
@@ -136,6 +132,7 @@ def judge(step: Step, code: int, text: str, seconds: float) -> Outcome:
         outcome.failed = 1
         outcome.notes.append(f"ended with exit code {code} though no test failed (a crash?)")
     outcome.notes += sorted(set(re.findall(r"^SKIPPED .*$", text, re.M)))
+    outcome.notes += re.findall(r"^\d+: (\[  FAILED  \] .* \(\d+ ms\))$", text, re.M)
     return outcome
 
 
