@@ -7,9 +7,7 @@
 // the footprint lie behind the receiver.
 #include "techniques/esm/esm.h"
 
-#include "stages/depth_map.h"
-#include "stages/moment_map.h"
-#include "stages/resolve.h"
+#include "stages/moment_resolve.h"
 #include "techniques/common_parameters.h"
 #include "techniques/parameter_builder.h"
 #include "techniques/prefilter_parameters.h"
@@ -43,24 +41,14 @@ public:
     }
 
     void render(Engine& engine, const LightTask& task, LayerOutputs& outputs) override {
-        const LightPosition& position = task.positions.front();
-        const auto depths = render_depth_map(engine, *task.frame.scene, position);
-        const auto map = render_moment_map(engine, position, *depths, esm_options(task.parameters));
-        const auto bind = [&] {
-            map->bind(*program_);
-            program_->set("u_exponent", float(find_exponent(task.parameters)));
-        };
-        outputs.set("visibility", resolve_.run(engine, {.frame = task.frame,
-                                                        .light = task.light,
-                                                        .position = position,
-                                                        .program = *program_,
-                                                        .work_per_pixel = 4,
-                                                        .bind_inputs = bind}));
+        const auto set_uniforms = [&] { program_->set("u_exponent", float(find_exponent(task.parameters))); };
+        outputs.set("visibility", pass_.run(engine, task.frame, task.light, task.positions.front(),
+                                            esm_options(task.parameters), *program_, set_uniforms));
     }
 
 private:
     const gl::Program* program_ = nullptr;
-    ResolvePass resolve_;
+    MomentResolvePass pass_;
 };
 
 std::vector<ParameterSpec> esm_parameters() {

@@ -8,9 +8,7 @@
 // Fails: some light leaks into shadows of three casters and more at different depths; contacts leak by the bias.
 #include "techniques/msm/msm.h"
 
-#include "stages/depth_map.h"
-#include "stages/moment_map.h"
-#include "stages/resolve.h"
+#include "stages/moment_resolve.h"
 #include "techniques/common_parameters.h"
 #include "techniques/parameter_builder.h"
 #include "techniques/prefilter_parameters.h"
@@ -43,25 +41,17 @@ public:
     }
 
     void render(Engine& engine, const LightTask& task, LayerOutputs& outputs) override {
-        const LightPosition& position = task.positions.front();
-        const auto depths = render_depth_map(engine, *task.frame.scene, position);
-        const auto map = render_moment_map(engine, position, *depths, msm_options(task.parameters));
-        const auto bind = [&] {
-            map->bind(*program_);
+        const auto set_uniforms = [&] {
             program_->set("u_moment_bias", float(find_moment_bias(task.parameters)));
             program_->set("u_bleed_reduction", float(task.parameters.get_float("bleed_reduction")));
         };
-        outputs.set("visibility", resolve_.run(engine, {.frame = task.frame,
-                                                        .light = task.light,
-                                                        .position = position,
-                                                        .program = *program_,
-                                                        .work_per_pixel = 4,
-                                                        .bind_inputs = bind}));
+        outputs.set("visibility", pass_.run(engine, task.frame, task.light, task.positions.front(),
+                                            msm_options(task.parameters), *program_, set_uniforms));
     }
 
 private:
     const gl::Program* program_ = nullptr;
-    ResolvePass resolve_;
+    MomentResolvePass pass_;
 };
 
 std::vector<ParameterSpec> msm_parameters() {
