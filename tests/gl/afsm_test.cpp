@@ -7,35 +7,22 @@
 
 #include <algorithm>
 
-#include "lights/facing.h"
+#include "support/ray_comparison.h"
 #include "support/soup_scene.h"
-#include "support/technique_runner.h"
-#include "truth/ray_oracle.h"
 
 namespace shadow_layers::testing {
 namespace {
-
-const LightKind kKinds[] = {LightKind::Sun, LightKind::Spot, LightKind::Point, LightKind::Area};
 
 class AFSM : public ::testing::Test {
 protected:
     /// Pixels that differ from the rays; of those that the casters decide so many must be lit, and so many not.
     int count_different(SceneView view, const Light& light, std::int64_t map_size, int least = 200) {
-        view.scene->lights = {light};
-        const TechniqueRun run = runner_.render(view, "afsm", parameters({{"map_size", map_size}}));
-        counters_ = run.stats.counters;
-        const truth::RayOracle oracle(view.scene);
-        const auto truth =
-            oracle.compute_visibility(*run.frame, light, run.positions.at(0), &runner_.engine().threads());
-        const FacingRule facing(*run.frame, light, run.positions[0]);
-        int different = 0, lit = 0, shadowed = 0;
-        for (std::size_t pixel = 0; pixel < truth.size(); ++pixel) {
-            different += run.visibility()[pixel] != truth[pixel];
-            if (facing.classify(pixel) == Facing::Lit) ++(truth[pixel] > 0.5f ? lit : shadowed);
-        }
-        EXPECT_GE(lit, least);
-        EXPECT_GE(shadowed, least);
-        return different;
+        const RayComparison found =
+            compare_with_rays(runner_, std::move(view), light, "afsm", parameters({{"map_size", map_size}}));
+        counters_ = found.run.stats.counters;
+        EXPECT_GE(found.lit, least);
+        EXPECT_GE(found.shadowed, least);
+        return found.different;
     }
     TechniqueRunner runner_;
     std::map<std::string, std::int64_t> counters_;
@@ -43,14 +30,14 @@ protected:
 
 TEST_F(AFSM, EqualsRaysOnSoups) {
     for (unsigned seed = 1; seed <= 8; ++seed)
-        EXPECT_EQ(
-            count_different(make_soup_scene(seed), make_light(kKinds[seed % 4], {1.5, 1.0, 5.0}, {0, 0, 0.5}, 90), 256),
-            0)
+        EXPECT_EQ(count_different(make_soup_scene(seed),
+                                  make_light(kAllLightKinds[seed % 4], {1.5, 1.0, 5.0}, {0, 0, 0.5}, 90), 256),
+                  0)
             << "seed " << seed;
 }
 
 TEST_F(AFSM, EqualsRaysOnClosedMeshes) {
-    for (const LightKind kind : kKinds) {
+    for (const LightKind kind : kAllLightKinds) {
         EXPECT_EQ(count_different(random_scene(21, 400, 225), make_light(kind, {2, 1.5, 4}, {0, 0, 0.5}, 80), 512), 0);
         EXPECT_EQ(count_different(tower_scene(400, 225), make_light(kind, {2, 1.5, 4}, {0, 0, 0.5}, 80), 512), 0);
     }
@@ -96,7 +83,7 @@ TEST_F(AFSM, EqualsRaysOnModels) {
         const auto model = load_obj(std::string(SHADOW_LAYERS_SHADER_DIR) + "/../../shared/models/" + name + ".obj");
         if (!model) continue;
         ++tried;
-        for (const LightKind kind : kKinds)
+        for (const LightKind kind : kAllLightKinds)
             EXPECT_EQ(
                 count_different(model_scene(*model, 480, 270), make_light(kind, {2, 1.5, 4}, {0, 0, 0.3}, 70), 1024), 0)
                 << name;
@@ -112,7 +99,7 @@ TEST_F(AFSM, LosesNoOpenPairs) {
     for (int copy = 0; copy < 6; ++copy) view.place(plane);
     view.place(view.add("box", make_box({1, 0.8f, 1.2f})), placement({0.1, -0.05, 1.1}, 27));
     view.camera = make_camera({3.2, -4.1, 3.4}, {0.3, 0.3, 0.3}, view.width, view.height);
-    for (const LightKind kind : kKinds) {
+    for (const LightKind kind : kAllLightKinds) {
         EXPECT_EQ(count_different(view, make_light(kind, {2, 1.5, 4}, {0, 0, 0.3}, 90), 64, 100), 0);
         EXPECT_GT(counters_.at("redraws"), 0);
         EXPECT_GT(counters_.at("open_pairs"), counters_.at("receivers"));
@@ -147,7 +134,7 @@ std::vector<float> compute_mean_truth(TechniqueRunner& runner, const SceneView& 
 }
 
 TEST_F(AFSM, SamplesAverageExactAnswers) {
-    for (const LightKind kind : kKinds) {
+    for (const LightKind kind : kAllLightKinds) {
         SceneView view = random_scene(26, 120, 68);
         view.scene->lights = {make_light(kind, {2, 1.5, 4}, {0, 0, 0.3}, 70)};
         const TechniqueRun run =

@@ -3,76 +3,35 @@
 // The exact technique against rays: no pixel may differ, whatever the scene, the light and the number of tiles.
 #include <gtest/gtest.h>
 
-#include <random>
-
-#include "lights/facing.h"
-#include "stages/exact_visibility.h"
-#include "stages/occlusion_rule.h"
-#include "support/technique_runner.h"
-#include "truth/ray_oracle.h"
+#include "support/ray_comparison.h"
+#include "support/soup_scene.h"
 
 namespace shadow_layers::testing {
 namespace {
-
-/// Triangles of all sizes and shapes, slivers among them, that share some of their vertices.
-MeshData make_soup(unsigned seed, int count, float size) {
-    std::mt19937 random(seed);
-    std::uniform_real_distribution<float> unit(-1, 1);
-    const auto point = [&](float scale) { return glm::vec3(unit(random), unit(random), unit(random)) * scale; };
-    MeshData soup;
-    for (int k = 0; k < count; ++k) {
-        const auto first = std::uint32_t(soup.positions.size());
-        const glm::vec3 middle = point(1.5f) + glm::vec3(0, 0, 1.6f), along = point(size);
-        soup.positions.push_back(middle);
-        soup.positions.push_back(middle + along);
-        soup.positions.push_back(middle + (k % 3 == 0 ? along * 0.5f + point(size * 1e-3f) : point(size)));
-        soup.triangles.push_back({first, first + 1, first + 2});
-        if (k > 0) soup.triangles.push_back({first, first + 1, first - 1});
-    }
-    return soup;
-}
-
-SceneView soup_scene(unsigned seed) {
-    SceneView view;
-    view.width = 320, view.height = 180;
-    view.place(view.add("plane", make_plane(9, 3)));
-    view.place(view.add("soup", make_soup(seed, 150, 0.8f)));
-    view.camera = make_camera({4.2, -4.4, 4.0}, {0, 0, 0.8}, view.width, view.height);
-    return view;
-}
 
 class Exact : public ::testing::Test {
 protected:
     /// Pixels that differ from the rays; of both answers there must be at least so many.
     int count_different(SceneView view, const Light& light, std::int64_t map_size = 1024, int least = 200) {
-        view.scene->lights = {light};
-        const TechniqueRun run = runner_.render(view, "exact", parameters({{"map_size", map_size}}));
-        const truth::RayOracle oracle(view.scene);
-        const auto truth =
-            oracle.compute_visibility(*run.frame, light, run.positions.at(0), &runner_.engine().threads());
-        const FacingRule facing(*run.frame, light, run.positions[0]);
-        int different = 0, lit = 0, shadowed = 0;
-        for (std::size_t pixel = 0; pixel < truth.size(); ++pixel) {
-            different += run.visibility()[pixel] != truth[pixel];
-            if (facing.classify(pixel) == Facing::Lit) ++(truth[pixel] > 0.5f ? lit : shadowed);
-        }
-        EXPECT_GE(lit, least);
-        EXPECT_GE(shadowed, least);
-        return different;
+        const RayComparison found =
+            compare_with_rays(runner_, std::move(view), light, "exact", parameters({{"map_size", map_size}}));
+        EXPECT_GE(found.lit, least);
+        EXPECT_GE(found.shadowed, least);
+        return found.different;
     }
     TechniqueRunner runner_;
 };
 
-const LightKind kKinds[] = {LightKind::Sun, LightKind::Spot, LightKind::Point, LightKind::Area};
-
 TEST_F(Exact, EqualsRaysOnSoups) {
     for (unsigned seed = 1; seed <= 6; ++seed)
-        EXPECT_EQ(count_different(soup_scene(seed), make_light(kKinds[seed % 4], {1.5, 1.0, 5.0}, {0, 0, 0.5}, 90)), 0)
+        EXPECT_EQ(count_different(make_soup_scene(seed),
+                                  make_light(kAllLightKinds[seed % 4], {1.5, 1.0, 5.0}, {0, 0, 0.5}, 90)),
+                  0)
             << "seed " << seed;
 }
 
 TEST_F(Exact, EqualsRaysOnClosedMeshes) {
-    for (const LightKind kind : kKinds) {
+    for (const LightKind kind : kAllLightKinds) {
         EXPECT_EQ(count_different(random_scene(11, 400, 225), make_light(kind, {2, 1.5, 4}, {0, 0, 0.5}, 80)), 0);
         SceneView tower = tower_scene(400, 225);
         EXPECT_EQ(count_different(tower, make_light(kind, {2, 1.5, 4}, {0, 0, 0.5}, 80)), 0);
@@ -82,7 +41,7 @@ TEST_F(Exact, EqualsRaysOnClosedMeshes) {
 TEST_F(Exact, EqualsRaysWithTheLightAmongTheCasters) {
     for (const glm::dvec3& place : {glm::dvec3(0.1, 0.2, 0.9), {0.4, -0.3, 0.25}, {-0.8, 0.5, 1.4}})
         for (const LightKind kind : {LightKind::Point, LightKind::Spot})
-            EXPECT_EQ(count_different(soup_scene(9), make_light(kind, place, {0.3, 0.3, -2}, 150), 1024, 0), 0);
+            EXPECT_EQ(count_different(make_soup_scene(9), make_light(kind, place, {0.3, 0.3, -2}, 150), 1024, 0), 0);
 }
 
 TEST_F(Exact, DoesNotDependOnTheNumberOfTiles) {
@@ -113,7 +72,7 @@ TEST_F(Exact, EqualsRaysOnModels) {
         const auto model = load_obj(std::string(SHADOW_LAYERS_SHADER_DIR) + "/../../shared/models/" + name + ".obj");
         if (!model) continue;
         ++tried;
-        for (const LightKind kind : kKinds)
+        for (const LightKind kind : kAllLightKinds)
             EXPECT_EQ(count_different(model_scene(*model, 480, 270), make_light(kind, {2, 1.5, 4}, {0, 0, 0.3}, 70)), 0)
                 << name;
     }
@@ -121,7 +80,7 @@ TEST_F(Exact, EqualsRaysOnModels) {
 }
 
 TEST_F(Exact, IsTheSameForAnyNumberOfThreads) {
-    SceneView view = soup_scene(4);
+    SceneView view = make_soup_scene(4);
     view.scene->lights = {make_light(LightKind::Point, {0.4, 0.3, 2.2}, {0, 0, 0})};
     TechniqueRunner one(1), three(3);
     const auto a = one.render(view, "exact"), b = three.render(view, "exact");

@@ -7,14 +7,11 @@
 #include <algorithm>
 #include <random>
 
-#include "lights/facing.h"
-#include "support/technique_runner.h"
-#include "truth/ray_oracle.h"
+#include "support/ray_comparison.h"
+#include "support/soup_scene.h"
 
 namespace shadow_layers::testing {
 namespace {
-
-const LightKind kKinds[] = {LightKind::Sun, LightKind::Spot, LightKind::Point, LightKind::Area};
 
 /// Open, not manifold, not oriented: triangles of all sizes, slivers among them, three and more at an edge, some twice.
 MeshData make_tangle(unsigned seed, int count, float size) {
@@ -37,12 +34,7 @@ MeshData make_tangle(unsigned seed, int count, float size) {
 }
 
 SceneView tangle_scene(unsigned seed, int count = 120) {
-    SceneView view;
-    view.width = 320, view.height = 180;
-    view.place(view.add("plane", make_plane(9, 3)));
-    view.place(view.add("tangle", make_tangle(seed, count, 0.8f)));
-    view.camera = make_camera({4.2, -4.4, 4.0}, {0, 0, 0.8}, view.width, view.height);
-    return view;
+    return place_over_plane("tangle", make_tangle(seed, count, 0.8f));
 }
 
 class ShadowVolumesTest : public ::testing::Test {
@@ -58,21 +50,11 @@ protected:
 
     /// Of both answers there must be at least `least`.
     void expect_true(SceneView view, const Light& light, int least = 100) {
-        view.scene->lights = {light};
-        const TechniqueRun run = runner_.render(view, "sv");
-        const truth::RayOracle oracle(view.scene);
-        const auto truth =
-            oracle.compute_visibility(*run.frame, light, run.positions.at(0), &runner_.engine().threads());
-        const FacingRule facing(*run.frame, light, run.positions[0]);
-        int different = 0, lit = 0, shadowed = 0;
-        for (std::size_t pixel = 0; pixel < truth.size(); ++pixel) {
-            different += run.visibility()[pixel] != truth[pixel];
-            if (facing.classify(pixel) == Facing::Lit) ++(truth[pixel] > 0.5f ? lit : shadowed);
-        }
-        EXPECT_GE(lit, least);
-        EXPECT_GE(shadowed, least);
-        EXPECT_LE(different, allow(truth, *run.frame));
-        lit_ += lit, shadowed_ += shadowed;
+        const RayComparison found = compare_with_rays(runner_, std::move(view), light, "sv");
+        EXPECT_GE(found.lit, least);
+        EXPECT_GE(found.shadowed, least);
+        EXPECT_LE(found.different, allow(found.truth, *found.run.frame));
+        lit_ += found.lit, shadowed_ += found.shadowed;
     }
     TechniqueRunner runner_;
     int lit_ = 0, shadowed_ = 0;  ///< of all calls
@@ -80,13 +62,13 @@ protected:
 
 TEST_F(ShadowVolumesTest, EqualRaysOnTangles) {
     for (unsigned seed = 1; seed <= 4; ++seed)
-        expect_true(tangle_scene(seed), make_light(kKinds[seed % 4], {1.5, 1.0, 5.0}, {0, 0, 0.5}, 90));
+        expect_true(tangle_scene(seed), make_light(kAllLightKinds[seed % 4], {1.5, 1.0, 5.0}, {0, 0, 0.5}, 90));
 }
 
 TEST_F(ShadowVolumesTest, EqualExactOnTangles) {
     for (unsigned seed = 5; seed <= 8; ++seed) {
         SceneView view = tangle_scene(seed);
-        view.scene->lights = {make_light(kKinds[seed % 4], {1.5, 1.0, 5.0}, {0, 0, 0.5}, 90)};
+        view.scene->lights = {make_light(kAllLightKinds[seed % 4], {1.5, 1.0, 5.0}, {0, 0, 0.5}, 90)};
         const TechniqueRun volumes = runner_.render(view, "sv"), exact = runner_.render(view, "exact");
         int different = 0;
         for (std::size_t pixel = 0; pixel < exact.visibility().size(); ++pixel)
@@ -96,7 +78,7 @@ TEST_F(ShadowVolumesTest, EqualExactOnTangles) {
 }
 
 TEST_F(ShadowVolumesTest, EqualRaysOnClosedMeshes) {
-    for (const LightKind kind : kKinds) {
+    for (const LightKind kind : kAllLightKinds) {
         expect_true(random_scene(11, 320, 180), make_light(kind, {2, 1.5, 4}, {0, 0, 0.5}, 80));
         expect_true(tower_scene(320, 180), make_light(kind, {2, 1.5, 4}, {0, 0, 0.5}, 80));
     }
@@ -136,7 +118,7 @@ TEST_F(ShadowVolumesTest, EqualRaysFromInsideAClosedMesh) {
 }
 
 TEST_F(ShadowVolumesTest, EqualRaysWithParallelRays) {
-    for (const LightKind kind : kKinds) {
+    for (const LightKind kind : kAllLightKinds) {
         SceneView view = tangle_scene(6);
         view.camera.perspective = false;
         view.camera.window = {-3.2, 3.2, -1.8, 1.8};

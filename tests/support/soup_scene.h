@@ -3,10 +3,22 @@
 #pragma once
 
 #include <random>
+#include <string>
+#include <utility>
 
 #include "support/technique_scenes.h"
 
 namespace shadow_layers::testing {
+
+/// A mesh about (0, 0, 1.6) over a plane.
+inline SceneView place_over_plane(std::string name, MeshData mesh, int width = 320, int height = 180) {
+    SceneView view;
+    view.width = width, view.height = height;
+    view.place(view.add("plane", make_plane(9, 3)));
+    view.place(view.add(std::move(name), std::move(mesh)));
+    view.camera = make_camera({4.2, -4.4, 4.0}, {0, 0, 0.8}, width, height);
+    return view;
+}
 
 /// Triangles at random over a plane: large and small ones, every third a sliver, half of them sharing an edge with the
 /// one before.
@@ -24,12 +36,7 @@ inline SceneView make_soup_scene(unsigned seed, int width = 320, int height = 18
         soup.triangles.push_back({first, first + 1, first + 2});
         if (k % 2 == 0) soup.triangles.push_back({first, first + 3, first + 1});
     }
-    SceneView view;
-    view.width = width, view.height = height;
-    view.place(view.add("plane", make_plane(9, 3)));
-    view.place(view.add("soup", std::move(soup)));
-    view.camera = make_camera({4.2, -4.4, 4.0}, {0, 0, 0.8}, width, height);
-    return view;
+    return place_over_plane("soup", std::move(soup), width, height);
 }
 
 }  // namespace shadow_layers::testing
