@@ -7,9 +7,6 @@
 namespace shadow_layers {
 namespace {
 
-// Corners of a flat face are rounded to float, so they lie off its plane by some 1e-7 of the face's size.
-constexpr double kFlatTolerance = 1e-6;
-
 bool comes_before(const glm::dvec3& p, const glm::dvec3& q) {
     if (p.x != q.x) return p.x < q.x;
     return p.y != q.y ? p.y < q.y : p.z < q.z;

@@ -11,6 +11,10 @@
 
 namespace shadow_layers {
 
+/// Part of its size that the corners of a flat face may lie off its plane: they are rounded to float, by some 1e-7 of
+/// it.
+inline constexpr double kFlatTolerance = 1e-6;
+
 /// Does a triangle lie between a receiver and the light? The exact answer, one pair at a time, in double. Techniques
 /// that decide most pairs in float ask it where float can't tell.
 ///

@@ -17,8 +17,6 @@ constexpr std::size_t kPolygonBlock = 1 << 9;
 constexpr int kBandCount = 32;
 // Of sums of a few products in double, against the terms' magnitudes.
 constexpr double kDoubleError = 4e-15;
-// Corners of a flat face are rounded to float, so they lie off its plane by some 1e-7 of the face's size.
-constexpr double kFlatTolerance = 1e-6;
 
 }  // namespace
 
@@ -178,7 +176,8 @@ void VolumeCounter::add_cap(const VolumePolygon& polygon, int row, PixelSpan spa
     }
 }
 
-/// Is the cap the receiver's own triangle, or one in its plane that shares an edge with it?
+/// Is the cap the receiver's own triangle, or one in its plane that shares an edge with it? The rule of OcclusionRule
+/// by welded vertices, since it is asked for every pixel of a cap.
 bool VolumeCounter::is_own_plane(const VolumePolygon& polygon, std::size_t pixel) const {
     const PixelIds& ids = frame_.ids[pixel];
     if (ids.instance != polygon.ids.instance) return false;
