@@ -5,9 +5,7 @@
 
 #include <algorithm>
 
-#include "support/ray_oracle.h"
-#include "support/shadow_errors.h"
-#include "support/technique_runner.h"
+#include "support/ray_comparison.h"
 
 namespace shadow_layers::testing {
 namespace {
@@ -17,11 +15,7 @@ protected:
     ShadowErrors errors_of(const SceneView& view, const std::string& technique, ParameterValues values,
                            std::int64_t map_size) {
         values.set("map_size", map_size);
-        const auto run = runner_.render(view, technique, values);
-        const RayOracle oracle(view.scene);
-        const auto truth =
-            oracle.compute_visibility(*run.frame, view.scene->lights[0], run.positions[0], &runner_.engine().threads());
-        return measure_shadow_errors(*run.frame, view.scene->lights[0], run.positions[0], truth, run.visibility());
+        return find_shadow_errors(runner_, view, technique, values);
     }
     void expect_ratio(const SceneView& view, std::int64_t map_size, double ratio, double plane_ratio) {
         const ShadowErrors sm = errors_of(view, "sm", {}, map_size), edsm = errors_of(view, "edsm", {}, map_size);

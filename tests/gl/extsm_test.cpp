@@ -9,10 +9,8 @@
 #include <random>
 
 #include "extended_map.h"
-#include "support/shadow_errors.h"
-#include "support/technique_runner.h"
+#include "support/ray_comparison.h"
 #include "techniques/extsm/extended_quads.h"
-#include "truth/ray_oracle.h"
 
 namespace shadow_layers::testing {
 namespace {
@@ -88,11 +86,7 @@ SceneView plate_scene(double turn_deg, LightKind kind) {
 class ExtSMTest : public ::testing::Test {
 protected:
     ShadowErrors errors_of(const SceneView& view, const std::string& technique, const ParameterValues& given) {
-        const auto run = runner_.render(view, technique, given);
-        const truth::RayOracle oracle(view.scene);
-        const auto truth =
-            oracle.compute_visibility(*run.frame, view.scene->lights[0], run.positions[0], &runner_.engine().threads());
-        return measure_shadow_errors(*run.frame, view.scene->lights[0], run.positions[0], truth, run.visibility());
+        return find_shadow_errors(runner_, view, technique, given);
     }
 
     struct BorderSpan {

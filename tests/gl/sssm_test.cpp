@@ -7,9 +7,7 @@
 #include <random>
 
 #include "support/glsl_lib_runner.h"
-#include "support/shadow_errors.h"
-#include "support/technique_runner.h"
-#include "truth/ray_oracle.h"
+#include "support/ray_comparison.h"
 
 namespace shadow_layers::testing {
 namespace {
@@ -75,11 +73,7 @@ TEST(SilhouetteMapLib, SegmentsAreCutToTheirCell) {
 class SSSMTest : public ::testing::Test {
 protected:
     ShadowErrors errors_of(const SceneView& view, const std::string& technique, std::int64_t map_size) {
-        const auto run = runner_.render(view, technique, parameters({{"map_size", map_size}}));
-        const truth::RayOracle oracle(view.scene);
-        const auto truth =
-            oracle.compute_visibility(*run.frame, view.scene->lights[0], run.positions[0], &runner_.engine().threads());
-        return measure_shadow_errors(*run.frame, view.scene->lights[0], run.positions[0], truth, run.visibility());
+        return find_shadow_errors(runner_, view, technique, parameters({{"map_size", map_size}}));
     }
     TechniqueRunner runner_;
 };
