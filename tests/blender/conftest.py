@@ -3,6 +3,7 @@
 """Fixtures of the Blender suite. The same test files run in every supported Blender, inside its own process."""
 
 import importlib
+import json
 import os
 import subprocess
 import sys
@@ -147,5 +148,30 @@ def run_batch(project_root) -> Callable[..., subprocess.CompletedProcess]:
 
     def run(blend: Path, *arguments: object, **options) -> subprocess.CompletedProcess:
         return run_blender(project_root / "addon" / "batch.py", [str(a) for a in arguments], blend, **options)
+
+    return run
+
+
+@pytest.fixture(scope="module")
+def module(addon):
+    """module("batch_run"): a part of the add-on."""
+    return lambda name: importlib.import_module(f"{addon.__name__}.{name}")
+
+
+@pytest.fixture(scope="module")
+def cache_folder(tmp_path_factory):
+    """Where the truths of a test file are kept."""
+    return tmp_path_factory.mktemp("cache")
+
+
+@pytest.fixture
+def compare(module, blend, cache_folder, tmp_path):
+    """compare("--techniques", ...): comparison.json of a run in this process, on the test file's own `blend`."""
+
+    def run(*arguments, file=blend, out=None, code=0):
+        out = out or tmp_path / "o"
+        words = [str(file), "compare", "--out", str(out), "--cache", str(cache_folder), *map(str, arguments)]
+        assert module("batch_run").run(module("batch_options").parse_arguments(words)) == code
+        return json.loads((out / "comparison.json").read_text()) if code == 0 else None
 
     return run

@@ -2,7 +2,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The command line in every Blender: what it writes, and what it says when it can't."""
 
-import importlib
 import json
 import math
 import os
@@ -20,12 +19,6 @@ import pytest
 from conftest import blender_command
 
 SIZE = (64, 36)
-
-
-@pytest.fixture(scope="module")
-def module(addon):
-    """module("batch_run"): a part of the add-on."""
-    return lambda name: importlib.import_module(f"{addon.__name__}.{name}")
 
 
 def add(name, data, location, rotation=(0, 0, 0), scene=None):

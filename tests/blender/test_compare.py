@@ -2,8 +2,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Layers against Cycles, by the batch's verb compare."""
 
-import importlib
-import json
 import math
 import re
 
@@ -12,11 +10,6 @@ import numpy as np
 import pytest
 
 LIGHTS = ("Sun", "Spot", "Point", "Area")
-
-
-@pytest.fixture(scope="module")
-def module(addon):
-    return lambda name: importlib.import_module(f"{addon.__name__}.{name}")
 
 
 def add(name, data, location=(0, 0, 0), rotation=(0, 0, 0)):
@@ -66,24 +59,6 @@ def blend(addon, tmp_path_factory):
     path = tmp_path_factory.mktemp("compare") / "lights.blend"
     bpy.ops.wm.save_as_mainfile(filepath=str(path))
     return path
-
-
-@pytest.fixture(scope="module")
-def cache_folder(tmp_path_factory):
-    return tmp_path_factory.mktemp("cache")
-
-
-@pytest.fixture
-def compare(module, blend, cache_folder, tmp_path):
-    """compare("--techniques", ...): comparison.json of a run in this process."""
-
-    def run(*arguments, file=blend, out=None, code=0):
-        out = out or tmp_path / "o"
-        words = [str(file), "compare", "--out", str(out), "--cache", str(cache_folder), *map(str, arguments)]
-        assert module("batch_run").run(module("batch_options").parse_arguments(words)) == code
-        return json.loads((out / "comparison.json").read_text()) if code == 0 else None
-
-    return run
 
 
 def index_records(document):

@@ -2,8 +2,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Shift, staircase and changes from frame to frame, by the batch's verb compare."""
 
-import importlib
-import json
 import math
 
 import bpy
@@ -12,11 +10,6 @@ import pytest
 from mathutils import Matrix, Vector
 
 LIGHTS = ("Sun", "Spot")
-
-
-@pytest.fixture(scope="module")
-def module(addon):
-    return lambda name: importlib.import_module(f"{addon.__name__}.{name}")
 
 
 def add(name, data, location=(0, 0, 0), rotation=(0, 0, 0)):
@@ -56,24 +49,6 @@ def blend(addon, tmp_path_factory):
     path = tmp_path_factory.mktemp("borders") / "plate.blend"
     bpy.ops.wm.save_as_mainfile(filepath=str(path))
     return path
-
-
-@pytest.fixture(scope="module")
-def cache_folder(tmp_path_factory):
-    return tmp_path_factory.mktemp("cache")
-
-
-@pytest.fixture
-def compare(module, blend, cache_folder, tmp_path):
-    """compare("--techniques", ...): comparison.json of a run in this process."""
-
-    def run(*arguments, code=0):
-        out = tmp_path / "o"
-        words = [str(blend), "compare", "--out", str(out), "--cache", str(cache_folder), *map(str, arguments)]
-        assert module("batch_run").run(module("batch_options").parse_arguments(words)) == code
-        return json.loads((out / "comparison.json").read_text()) if code == 0 else None
-
-    return run
 
 
 def test_hard_map_has_the_staircase_of_its_texels(compare, tmp_path):
