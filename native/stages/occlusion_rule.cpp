@@ -2,10 +2,14 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "stages/occlusion_rule.h"
 
+#include <algorithm>
 #include <cmath>
 
 namespace shadow_layers {
 namespace {
+
+// A corner is off by half a unit in the last place on each axis, and so are those that the plane goes through.
+constexpr double kCornerRounding = 4.0 / 16777216.0;  // 2^-22
 
 bool comes_before(const glm::dvec3& p, const glm::dvec3& q) {
     if (p.x != q.x) return p.x < q.x;
@@ -82,6 +86,32 @@ bool OcclusionRule::is_blocked(const glm::dvec3& receiver_rel, const PixelIds& r
     const double distance = glm::dot(a, normal) / along;
     if (!(distance > 0) || (!directional_ && !(distance < 1))) return false;
     return !is_neighbour_in_plane(get_corners(receiver), corners);
+}
+
+bool OcclusionRule::lies_in_plane(const glm::dvec3& receiver_rel, const PixelIds& receiver,
+                                  const PixelIds& caster) const {
+    const Corners own = get_corners(receiver), corners = get_corners(caster);
+    const glm::dvec3 normal = glm::cross(own[1] - own[0], own[2] - own[0]);
+    const double scale = glm::length(normal), rounding = find_corner_rounding(caster);
+    for (const glm::dvec3& corner : corners) {
+        const glm::dvec3 reach = corner - receiver_rel;
+        if (!(std::abs(glm::dot(normal, reach)) <= scale * (kFlatTolerance * glm::length(reach) + rounding)))
+            return false;
+    }
+    return true;
+}
+
+double OcclusionRule::find_corner_rounding(const PixelIds& ids) const {
+    const Instance& instance = frame_.scene->instances[ids.instance];
+    const Mesh& mesh = *frame_.scene->meshes[instance.mesh];
+    const glm::uvec3& triangle = mesh.triangles[ids.triangle];
+    double largest = 0;
+    for (int k = 0; k < 3; ++k) {
+        const glm::dvec3 size = glm::abs(glm::dvec3(mesh.positions[triangle[k]]));
+        for (int axis = 0; axis < 3; ++axis)
+            largest = std::max(largest, glm::length(glm::dvec3(instance.world_from_object[axis])) * size[axis]);
+    }
+    return kCornerRounding * largest;
 }
 
 }  // namespace shadow_layers

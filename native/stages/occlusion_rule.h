@@ -33,9 +33,18 @@ public:
     /// `receiver_rel` lies on triangle `receiver`.
     bool is_blocked(const glm::dvec3& receiver_rel, const PixelIds& receiver, const PixelIds& caster) const;
 
-private:
+    /// Does a triangle lie in the receiver's plane, as far as the rounding of its corners lets one tell? It does not
+    /// shadow places of that plane then. For techniques that look at the plane beyond the receiver's own triangle,
+    /// where more than its neighbours may be flat.
+    bool lies_in_plane(const glm::dvec3& receiver_rel, const PixelIds& receiver, const PixelIds& caster) const;
+
+    /// Corners of a triangle relative to the frame's origin.
     using Corners = std::array<glm::dvec3, 3>;
     Corners get_corners(const PixelIds& ids) const;
+
+private:
+    /// How far a triangle's corners may be off because a mesh keeps them in float.
+    double find_corner_rounding(const PixelIds& ids) const;
 
     const Frame& frame_;
     RayBasis rays_;
