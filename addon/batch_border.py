@@ -24,10 +24,8 @@ from .compare.measures import LIT_THRESHOLD, LayerMeasures
 from .compare.pixels import PixelClasses, compute_pixel_size
 from .compare.true_border import TrueBorder, find_usable
 from .snapshot import LightData, SceneSnapshot
+from .truth import MOST_SAMPLES
 from .truth_store import TruthStore
-
-# Samples of a whole picture: 1080p at 3 x 3. Cycles holds four floats for each.
-MOST_SAMPLES = 20_000_000
 
 
 def choose_samples(wanted: int, width: int, height: int) -> int:
@@ -86,10 +84,12 @@ class BorderSource:
             self.notes += store.notes
         return TrueBorder(trace_contour(visible, self.samples), self._find_usable(classes))
 
-    def get_of_values(self, values: NDArray[np.floating], classes: PixelClasses) -> TrueBorder:
-        """The border of a truth with values between 0 and 1, (h, w), of so many samples that they are noisy."""
-        smooth = smooth_noise(values, classes.comparable)
-        return TrueBorder(trace_contour(smooth), self._find_usable(classes), smooth >= LIT_THRESHOLD)
+    def get_of_values(self, values: NDArray[np.floating], classes: PixelClasses, *, smooth: bool = True) -> TrueBorder:
+        """The border of a truth with values between 0 and 1, (h, w). `smooth`: of few samples over a wide penumbra, so
+        that their noise would make it ragged."""
+        if smooth:
+            values = smooth_noise(values, classes.comparable)
+        return TrueBorder(trace_contour(values), self._find_usable(classes), values >= LIT_THRESHOLD)
 
     def _find_usable(self, classes: PixelClasses) -> NDArray[np.bool_]:
         aux, snapshot = self._captured.aux, self._captured.snapshot

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from .batch_border import BorderSource, describe_border, make_texel_function
 from .batch_render import describe_layer
-from .batch_truth import HARD, SOFT, LayerTruth
+from .batch_truth import HARD, PIXEL, SAMPLED, LayerTruth
 from .capture import CapturedFrame, CapturedLayer
 from .compare import flip
 from .compare.footprint import compute_sun_extent, compute_texel_footprint_px
@@ -84,7 +84,7 @@ class LightMeasurer:
         first = all(record["technique"] != layer.technique for record in self.records)
         # Filtered truths are not Cycles' own; its time for such a picture is that of the mask that they filter.
         times_ms, cached = self._hard.times_ms, self._hard_cached
-        if truth.kind == SOFT:
+        if truth.kind in SAMPLED:
             times_ms, cached = truth.times_ms, truth.cached
         record = {
             **describe_layer(layer, self._light.kind, self._captured.frame, self._captured.view_layer),
@@ -117,9 +117,10 @@ class LightMeasurer:
                 png = make_truth_png(truth.values, self._classes)
                 parts = (name, "truth")
             else:
-                border, samples = self._borders.get_of_values(truth.values, self._classes), 1
-                png = make_value_png(truth.values, self._classes)
-                parts = (name, "truth", SOFT) if truth.kind == SOFT else (name, layer.technique, "truth")
+                # As wide as a pixel, the values of a pixel truth hold the border's place as they are.
+                border = self._borders.get_of_values(truth.values, self._classes, smooth=truth.kind != PIXEL)
+                samples, png = 1, make_value_png(truth.values, self._classes)
+                parts = (name, "truth", truth.kind) if truth.kind in SAMPLED else (name, layer.technique, "truth")
             entry = LightEntry(
                 name, self._light.kind, self._captured.frame, png, truth=truth.kind, truth_label=truth.get_label()
             )

@@ -35,7 +35,7 @@ VERBS = {
 }
 
 TEMPORAL_MOVES = ("light", "camera", "frames")
-TRUTHS = ("named", "hard", "filtered", "soft")
+TRUTHS = ("named", "hard", "filtered", "soft", "pixel")
 
 
 class _Parser(argparse.ArgumentParser):
@@ -137,9 +137,9 @@ def make_parser() -> argparse.ArgumentParser:
     add("--border-samples", metavar="N", type=parse_count(1, 16), default=3,
         help="compare: the truth's samples across a pixel, for shift and staircase (default 3)")  # fmt: skip
     add("--truth", metavar="KIND,KIND", type=parse_truths, default=["named"],
-        help="compare: named (what each technique stands for; default), hard, filtered, soft")  # fmt: skip
+        help="compare: named (what each technique stands for; default), hard, filtered, soft, pixel")  # fmt: skip
     add("--truth-samples", metavar="N", type=parse_count(4, 65536), default=64,
-        help="compare: samples per pixel of filtered and soft truths (default 64)")  # fmt: skip
+        help="compare: samples per pixel of filtered, soft and pixel truths (default 64)")  # fmt: skip
     add("--temporal", choices=TEMPORAL_MOVES,
         help="compare: measure changes too, over a short move of lights or camera, or over --frames")  # fmt: skip
     add("--temporal-frames", metavar="N", type=parse_count(2, 1000), default=8, help="frames of the move (default 8)")

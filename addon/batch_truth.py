@@ -19,7 +19,9 @@ from .compare.pixels import PixelClasses
 from .truth import LightTruth
 from .truth_store import TruthStore
 
-HARD, FILTERED, SOFT, NAMED = "hard", "filtered", "soft", "named"
+HARD, FILTERED, SOFT, PIXEL, NAMED = "hard", "filtered", "soft", "pixel", "named"
+# Rendered by Cycles for themselves, with many samples; layers of a light share each.
+SAMPLED = (SOFT, PIXEL)
 # A layer that names no square is compared with the filtered truth of one texel, if that is asked for; one without a map
 # with that of its pixels' points.
 PLAIN_FOOTPRINT = Footprint(texels=1.0)
@@ -61,6 +63,8 @@ class LayerTruth:
             return "hard: Cycles, the light without size"
         if self.kind == SOFT:
             return f"soft: Cycles, the light in its size, {self.samples} samples"
+        if self.kind == PIXEL:
+            return f"pixel: Cycles, the light without size, {self.samples} places in the pixel"
         if not self.footprint.texels and not self.footprint.world:
             return "filtered: the exact mask, at the pixels' points"
         side = f"{self.footprint.texels:g} texels" if self.footprint.texels else f"{self.footprint.world:g} scene units"
@@ -107,9 +111,10 @@ class LightTruths:
         if kind == HARD:
             hard = self._hard
             return LayerTruth(kind, hard.visible, None, 1, footprint, hard.times_ms, self._hard_cached)
-        if kind == SOFT:
-            soft, cached = self._store.get_soft(light, self._sample_count)
-            return LayerTruth(kind, soft.visibility, soft.error, soft.samples, footprint, soft.times_ms, cached)
+        if kind in SAMPLED:
+            get = self._store.get_soft if kind == SOFT else self._store.get_pixel
+            found, cached = get(light, self._sample_count)
+            return LayerTruth(kind, found.visibility, found.error, found.samples, footprint, found.times_ms, cached)
         filtered, cached = self._store.get_filtered(
             self._captured, layer, footprint, self._sample_count, self._classes.comparable
         )

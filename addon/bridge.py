@@ -140,8 +140,8 @@ def resolve_parameters(technique_id: str, given: Mapping[str, Any]) -> dict[str,
 
 
 def get_truth(technique_id: str, given: Mapping[str, Any]) -> dict[str, Any]:
-    """What a layer with these parameters approximates: "kind" ("hard", "filtered", "soft"), and the side of a filtered
-    truth's square: "footprint_world" in scene units or, if that is 0, "footprint_texels"."""
+    """What a layer with these parameters approximates: "kind" ("hard", "filtered", "soft", "pixel"), and the side of
+    a filtered truth's square: "footprint_world" in scene units or, if that is 0, "footprint_texels"."""
     with _ErrorsTranslated():
         return dict(core().get_truth(technique_id, dict(given)))
 

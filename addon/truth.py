@@ -13,40 +13,53 @@ Everything is put back when the `with` block ends; the scene must not be edited 
 from __future__ import annotations
 
 import contextlib
+import math
 import os
 import tempfile
 import time
+from collections.abc import Iterator
 
 import bpy
 import numpy as np
 from numpy.typing import NDArray
 
 from .light_export import object_name
-from .picture import literal_path
 from .scene_guard import SceneGuard
-from .truth_lights import get_shadow_switch, make_hard_light, make_soft_light, set_shadow_switch
+from .truth_lights import (
+    get_shadow_switch,
+    is_bounded,
+    make_front_light,
+    make_hard_light,
+    make_soft_light,
+    set_shadow_switch,
+)
 from .truth_materials import (
     HIDDEN_PREFIX,
-    find_transparent_objects,
     make_diffuse_material,
     make_position_material,
+    make_translucent_material,
 )
 from .truth_pictures import (
     LightTruth,
-    SoftTruth,
+    SampledTruth,
     TruthError,
     TruthSurface,
+    average_blocks,
     compute_light_truth,
+    compute_pixel_truth,
+    compute_sample_visibility,
     compute_soft_truth,
     load_pixels,
 )
+from .truth_setup import set_up_cycles, set_up_jitter, set_up_objects, set_up_output, set_up_scene
 
 # Part of every cache key: raise it when what is rendered changes.
 TRUTH_VERSION = 2
-# The smallest that Cycles takes. With a Gaussian of this width samples lie within 0.002 pixels of the centre.
-FILTER_WIDTH_PX = 0.01
-# The soft truth is rendered this many times with different seeds: what they differ by tells its standard error.
-SOFT_RENDERS = 4
+# Truths of many samples are rendered at least this many times with different seeds: what they differ by tells their
+# standard error.
+SEEDS = 4
+# Samples of a whole picture at once: 1080p at 3 x 3. Cycles holds four floats for each.
+MOST_SAMPLES = 20_000_000
 
 
 class CyclesTruth:
@@ -79,12 +92,14 @@ class CyclesTruth:
         with contextlib.ExitStack() as stack:
             self._folder = stack.enter_context(tempfile.TemporaryDirectory(prefix="shadow_layers_truth_"))
             guard = stack.enter_context(SceneGuard())
-            self._set_up_scene(guard)
-            self._set_up_cycles(guard)
-            self._set_up_output(guard)
-            self._set_up_objects(guard)
+            self._path = os.path.join(self._folder, "truth.exr")
+            set_up_scene(guard, self._scene, self._view_layer, (self._width, self._height), self._threads)
+            set_up_cycles(guard, self._scene)
+            set_up_output(guard, self._scene, self._path)
+            set_up_objects(guard, self._view_layer)
             self._position_material = make_position_material(guard)
             self._diffuse_material = make_diffuse_material(guard)
+            self._translucent_material = make_translucent_material(guard)
             self._dark_light = guard.made(bpy.data.lights, bpy.data.lights.new(HIDDEN_PREFIX + "_dark", "POINT"))
             self._dark_light.energy = 0.0
             self._stack = stack.pop_all()
@@ -106,7 +121,7 @@ class CyclesTruth:
         with SceneGuard() as guard:
             light = make_hard_light(guard, light_object)
             shadowed, open_sky, times_ms = self._render_pair(guard, light_object, light)
-        return compute_light_truth(shadowed, open_sky, times_ms)
+        return compute_light_truth(shadowed[..., 0], open_sky[..., 0], times_ms)
 
     def render_reached(self, name: str) -> tuple[NDArray[np.bool_], float]:
         """The pixels (h, w) that any light of that light object reaches, made hard, and the wall time in ms: half the
@@ -119,31 +134,74 @@ class CyclesTruth:
             pixels, time_ms = self._render(self._diffuse_material)
         return pixels[..., 0] > 0.0, time_ms
 
-    def render_soft_light(self, name: str, sample_count: int) -> SoftTruth:
+    def render_soft_light(self, name: str, sample_count: int) -> SampledTruth:
         """The shadow of that light object in its real size. `sample_count` per pixel is rounded up to a multiple of
-        SOFT_RENDERS. Raises TruthError."""
+        SEEDS. Raises TruthError."""
         light_object = find_light_object(name)
         cycles = self._scene.cycles
         pairs, times_ms = [], {"shadows_on": 0.0, "shadows_off": 0.0}
         with SceneGuard() as guard:
             light = make_soft_light(guard, light_object)
             guard.set(light_object, "visible_camera", False)
-            guard.set(cycles, "samples", -(-sample_count // SOFT_RENDERS))
-            first_seed = cycles.seed
-            guard.on_exit(lambda: setattr(cycles, "seed", first_seed))
-            for seed in range(SOFT_RENDERS):
-                cycles.seed = first_seed + seed
+            guard.set(cycles, "samples", -(-sample_count // SEEDS))
+            for _ in self._change_seeds(guard, SEEDS):
                 with SceneGuard() as inner:
                     *pair, times = self._render_pair(inner, light_object, light)
-                pairs.append(pair)
+                pairs.append([picture[..., 0] for picture in pair])
                 times_ms = {stage: times_ms[stage] + times[stage] for stage in times_ms}
-            samples = cycles.samples * SOFT_RENDERS
+            samples = cycles.samples * SEEDS
         return compute_soft_truth(np.array(pairs), samples, times_ms)
+
+    def render_pixel_light(self, name: str, sample_count: int) -> SampledTruth:
+        """The hard shadow of that light object, averaged over each pixel's square: at one place at random in each cell
+        of a grid, of which there are several with different places. `sample_count` per pixel is rounded up to whole
+        grids. Each place is a pixel of a larger picture, of one sample, so that its mask is known by itself. Raises
+        TruthError."""
+        light_object = find_light_object(name)
+        across, grids = choose_grids(sample_count, self._width, self._height)
+        means, lit = [], np.zeros((self._height, self._width), dtype=bool)
+        times_ms = {"shadows_on": 0.0, "shadows_off": 0.0}
+        with SceneGuard() as guard:
+            light = make_front_light(guard, light_object)
+            set_up_jitter(guard, self._scene)
+            guard.set(self._scene.render, "resolution_x", self._width * across)
+            guard.set(self._scene.render, "resolution_y", self._height * across)
+            for _ in self._change_seeds(guard, grids):
+                with SceneGuard() as inner:
+                    shadowed, open_sky, times = self._render_pair(inner, light_object, light)
+                    unreached = self._render_unreached(light_object, light, open_sky)
+                visible = compute_sample_visibility(shadowed[..., 0], open_sky[..., 0], unreached)
+                means.append(average_blocks(visible, across))
+                lit |= average_blocks(open_sky[..., 0] > 0.0, across) > 0.0
+                times_ms = {stage: times_ms[stage] + times[stage] for stage in times_ms}
+        return compute_pixel_truth(np.array(means), lit, across * across * grids, times_ms)
+
+    def _render_unreached(
+        self, light_object: bpy.types.Object, light: bpy.types.Light, open_sky: NDArray[np.float32]
+    ) -> NDArray[np.bool_]:
+        """Which samples see no receiver of the light, whose shadows are off: background, outside its cone, not linked
+        to it."""
+        if not is_bounded(light_object, light):
+            return open_sky[..., 3] <= 0.5
+        casts_shadow = get_shadow_switch(light)
+        set_shadow_switch(light, False)
+        behind, _ = self._render(self._translucent_material)
+        set_shadow_switch(light, casts_shadow)
+        return (open_sky[..., 0] <= 0.0) & (behind[..., 0] <= 0.0)
+
+    def _change_seeds(self, guard: SceneGuard, count: int) -> Iterator[int]:
+        """Gives Cycles one seed after another."""
+        cycles = self._scene.cycles
+        first_seed = cycles.seed
+        guard.on_exit(lambda: setattr(cycles, "seed", first_seed))
+        for seed in range(count):
+            cycles.seed = first_seed + seed
+            yield seed
 
     def _render_pair(
         self, guard: SceneGuard, light_object: bpy.types.Object, light: bpy.types.Light
     ) -> tuple[NDArray[np.float32], NDArray[np.float32], dict[str, float]]:
-        """With and without shadows, (h, w) each, and the times; `light` in place of the object's own."""
+        """With and without shadows, (h, w, 4) each, and the times; `light` in place of the object's own."""
         casts_shadow = get_shadow_switch(light)
         self._darken_lights(guard, light_object)
         guard.set(light_object, "data", light)
@@ -152,99 +210,7 @@ class CyclesTruth:
         set_shadow_switch(light, False)
         open_sky, off_ms = self._render(self._diffuse_material)
         set_shadow_switch(light, casts_shadow)
-        return shadowed[..., 0], open_sky[..., 0], {"shadows_on": on_ms, "shadows_off": off_ms}
-
-    # ---- setting up
-
-    def _set_up_scene(self, guard: SceneGuard) -> None:
-        scene, layer, render = self._scene, self._view_layer, self._scene.render
-        guard.set(scene, "world", None)
-        guard.set_if_there(layer, "world_override", None)
-        guard.set(layer, "use", True)
-        guard.set(layer, "use_pass_combined", True)
-        guard.set(layer, "samples", 0)
-        # The override is set anew for each render; this remembers the user's.
-        user_override = layer.material_override
-        guard.on_exit(lambda: setattr(layer, "material_override", user_override))
-        guard.set(render, "engine", "CYCLES")
-        guard.set(render, "resolution_x", self._width)
-        guard.set(render, "resolution_y", self._height)
-        guard.set(render, "resolution_percentage", 100)
-        guard.set(render, "film_transparent", True)
-        for name in (
-            "use_border", "use_multiview", "use_compositing", "use_sequencer", "use_freestyle", "use_motion_blur",
-            "use_persistent_data", "use_stamp",
-        ):  # fmt: skip
-            guard.set_if_there(render, name, False)
-        if self._threads:
-            guard.set(render, "threads_mode", "FIXED")
-            guard.set(render, "threads", self._threads)
-        if scene.camera.type == "CAMERA":
-            guard.set(scene.camera.data.dof, "use_dof", False)
-
-    def _set_up_cycles(self, guard: SceneGuard) -> None:
-        cycles = self._scene.cycles
-        guard.set(cycles, "device", "CPU")
-        guard.set(cycles, "samples", 1)
-        guard.set(cycles, "pixel_filter_type", "GAUSSIAN")
-        guard.set(cycles, "filter_width", FILTER_WIDTH_PX)
-        guard.set(cycles, "film_exposure", 1.0)
-        for name in (
-            "max_bounces", "diffuse_bounces", "glossy_bounces", "transmission_bounces", "volume_bounces",
-            "sample_clamp_direct", "sample_clamp_indirect", "light_sampling_threshold", "time_limit", "sample_offset",
-            "min_light_bounces", "min_transparent_bounces", "seed",
-        ):  # fmt: skip
-            guard.set_if_there(cycles, name, 0)
-        for name in (
-            "use_adaptive_sampling", "use_denoising", "use_fast_gi", "use_light_tree", "use_guiding",
-            "use_animated_seed", "shading_system",
-        ):  # fmt: skip
-            guard.set_if_there(cycles, name, False)
-        # Adaptive subdivision would refine what the snapshot holds at render level (from 5.0 on see the modifiers).
-        guard.set_if_there(cycles, "feature_set", "SUPPORTED")
-
-    def _set_up_output(self, guard: SceneGuard) -> None:
-        render, image = self._scene.render, self._scene.render.image_settings
-        self._path = os.path.join(self._folder, "truth.exr")
-        guard.set(render, "filepath", literal_path(render, self._path))
-        for name in ("use_file_extension", "use_overwrite"):
-            guard.set(render, name, True)
-        guard.set(render, "use_placeholder", False)
-        # What a format allows depends on it, so all of it is remembered first and set again in Blender's order.
-        names = ("media_type", "file_format", "color_mode", "color_depth", "exr_codec", "color_management")
-        user = {name: getattr(image, name) for name in names if hasattr(image, name)}
-
-        def restore() -> None:
-            for name, value in user.items():
-                with contextlib.suppress(TypeError):  # a codec that the user's format doesn't have
-                    setattr(image, name, value)
-
-        guard.on_exit(restore)
-        if "media_type" in user:
-            image.media_type = "IMAGE"
-        image.file_format = "OPEN_EXR"
-        image.color_mode = "RGBA"
-        image.color_depth = "32"
-        image.exr_codec = "NONE"
-        if "color_management" in user:
-            image.color_management = "FOLLOW_SCENE"
-
-    def _set_up_objects(self, guard: SceneGuard) -> None:
-        transparent = find_transparent_objects(self._view_layer.material_override)
-        for thing in bpy.data.objects:
-            if thing.type == "LIGHT":
-                continue
-            if thing in transparent:
-                guard.set(thing, "visible_camera", False)
-                guard.set(thing, "visible_shadow", False)
-            # Blender moved these out of the Cycles add-on's properties; each version has one of the two places.
-            for owner in (thing, getattr(thing, "cycles", None)):
-                guard.set_if_there(owner, "shadow_terminator_geometry_offset", 0.0)
-                guard.set_if_there(owner, "shadow_terminator_shading_offset", 0.0)
-                guard.set_if_there(owner, "shadow_terminator_offset", 0.0)
-                guard.set_if_there(owner, "is_shadow_catcher", False)
-            for modifier in thing.modifiers:
-                guard.set_if_there(modifier, "use_adaptive_subdivision", False)
+        return shadowed, open_sky, {"shadows_on": on_ms, "shadows_off": off_ms}
 
     # ---- lights
 
@@ -269,7 +235,16 @@ class CyclesTruth:
         time_ms = (time.perf_counter() - start) * 1000.0
         if not os.path.exists(self._path):
             raise TruthError(f"Cycles wrote no picture to {self._folder}: see its messages above, and free disk space")
-        return load_pixels(self._path, self._width, self._height), time_ms
+        render = self._scene.render
+        return load_pixels(self._path, render.resolution_x, render.resolution_y), time_ms
+
+
+def choose_grids(sample_count: int, width: int, height: int) -> tuple[int, int]:
+    """Samples across a pixel in one grid, and the number of grids: squares of not more than MOST_SAMPLES in the whole
+    picture, at least SEEDS of them."""
+    most = min(sample_count / SEEDS, MOST_SAMPLES / (width * height))
+    across = max(1, math.isqrt(int(most)))
+    return across, max(SEEDS, math.ceil(sample_count / across**2))
 
 
 def find_light_object(name: str) -> bpy.types.Object:

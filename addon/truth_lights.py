@@ -48,6 +48,19 @@ def make_hard_light(guard: SceneGuard, light_object: bpy.types.Object) -> bpy.ty
     return light
 
 
+def make_front_light(guard: SceneGuard, light_object: bpy.types.Object) -> bpy.types.Light:
+    """As `make_hard_light`, but what stands for an area light shines on the half of the space before it only, as the
+    layers have it."""
+    light = make_hard_light(guard, light_object)
+    if light_object.data.type == "AREA":
+        casts_shadow = get_shadow_switch(light)
+        light.type = "SPOT"
+        light = bpy.data.lights[light.name]
+        set_shadow_switch(light, casts_shadow)
+        light.shadow_soft_size, light.spot_size, light.spot_blend = 0.0, math.pi, 0.0
+    return light
+
+
 def make_soft_light(guard: SceneGuard, light_object: bpy.types.Object) -> bpy.types.Light:
     """A copy in its own size, which shines alike in all directions, and of which only light samples are taken: where a
     material's sample meets the light, a shadow can't be switched off."""
@@ -58,6 +71,13 @@ def make_soft_light(guard: SceneGuard, light_object: bpy.types.Object) -> bpy.ty
     if own is not None and hasattr(own, "use_multiple_importance_sampling"):
         own.use_multiple_importance_sampling = False
     return light
+
+
+def is_bounded(light_object: bpy.types.Object, light: bpy.types.Light) -> bool:
+    """Whether there may be faces that are turned to the light and yet are none of its receivers: a cone, or a receiver
+    collection (from 4.0 on). `light` stands in place of the object's own."""
+    linking = getattr(light_object, "light_linking", None)
+    return light.type == "SPOT" or getattr(linking, "receiver_collection", None) is not None
 
 
 # ---- version differences

@@ -58,7 +58,16 @@ def make_position_material(guard: SceneGuard) -> bpy.types.Material:
 
 def make_diffuse_material(guard: SceneGuard) -> bpy.types.Material:
     """White and diffuse about the geometric normal: smooth shading must not darken faces that see the light."""
-    material, diffuse, geometry = make_material(guard, "_diffuse", "ShaderNodeBsdfDiffuse")
-    diffuse.inputs["Color"].default_value = (1.0, 1.0, 1.0, 1.0)
-    material.node_tree.links.new(geometry.outputs["True Normal"], diffuse.inputs["Normal"])
+    return make_white_material(guard, "_diffuse", "ShaderNodeBsdfDiffuse")
+
+
+def make_translucent_material(guard: SceneGuard) -> bpy.types.Material:
+    """White, and lit from behind alone: shows whether faces that are turned away from a light are its receivers."""
+    return make_white_material(guard, "_translucent", "ShaderNodeBsdfTranslucent")
+
+
+def make_white_material(guard: SceneGuard, name: str, shader: str) -> bpy.types.Material:
+    material, scatter, geometry = make_material(guard, name, shader)
+    scatter.inputs["Color"].default_value = (1.0, 1.0, 1.0, 1.0)
+    material.node_tree.links.new(geometry.outputs["True Normal"], scatter.inputs["Normal"])
     return material

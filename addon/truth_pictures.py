@@ -38,13 +38,13 @@ class LightTruth:
 
 
 @dataclass(frozen=True)
-class SoftTruth:
-    """The shadow of a light in its real size, row 0 at the bottom: of its light without shadows, the part that arrives
-    with them."""
+class SampledTruth:
+    """A truth of many samples, row 0 at the bottom. Soft: of the light in its real size, the part that arrives of what
+    arrives without shadows. Pixel: the hard mask's mean over the pixel's square."""
 
     visibility: NDArray[np.float32]  # (h, w) 0 to 1
     error: NDArray[np.float32]  # (h, w) its standard error
-    lit: NDArray[np.bool_]  # (h, w) some of it would arrive, if nothing cast shadows
+    lit: NDArray[np.bool_]  # (h, w) some light would arrive, if nothing cast shadows
     samples: int  # per pixel
     times_ms: dict[str, float]  # "shadows_on", "shadows_off": of all renders
 
@@ -73,7 +73,7 @@ def compute_light_truth(
     return LightTruth(ratio >= 0.5, lit, int((lit & ~decided).sum()), times_ms)
 
 
-def compute_soft_truth(pairs: NDArray[np.float32], samples: int, times_ms: dict[str, float]) -> SoftTruth:
+def compute_soft_truth(pairs: NDArray[np.float32], samples: int, times_ms: dict[str, float]) -> SampledTruth:
     """Truth from several pairs of renders with and without shadows, (renders, 2, h, w), of independent samples."""
     shadowed, open_sky = (pairs[:, part].astype(np.float64) for part in range(2))
     # Both renders of a pair take the same places of the light, so they leave little noise in their ratio.
@@ -81,4 +81,27 @@ def compute_soft_truth(pairs: NDArray[np.float32], samples: int, times_ms: dict[
     total = open_sky.sum(axis=0)
     mean = np.clip(np.divide(shadowed.sum(axis=0), total, out=np.zeros_like(total), where=total > 0.0), 0.0, 1.0)
     error = ratios.std(axis=0, ddof=1) / np.sqrt(len(ratios))
-    return SoftTruth(mean.astype(np.float32), error.astype(np.float32), total > 0.0, samples, times_ms)
+    return SampledTruth(mean.astype(np.float32), error.astype(np.float32), total > 0.0, samples, times_ms)
+
+
+def average_blocks(picture: NDArray, across: int) -> NDArray[np.float64]:
+    """Means over squares of `across` x `across` samples: (h * across, w * across) to (h, w)."""
+    height, width = picture.shape[0] // across, picture.shape[1] // across
+    return picture.reshape(height, across, width, across).mean(axis=(1, 3), dtype=np.float64)
+
+
+def compute_sample_visibility(
+    shadowed: NDArray[np.float32], open_sky: NDArray[np.float32], unreached: NDArray[np.bool_]
+) -> NDArray[np.bool_]:
+    """The hard mask of single samples, (h, w) each: of those that the light shines on if nothing casts shadows, which
+    it reaches; of the others those `unreached`, which are none of its receivers. The rest is turned away."""
+    lit = open_sky > 0.0
+    return np.where(lit, shadowed >= 0.5 * open_sky, unreached)
+
+
+def compute_pixel_truth(
+    means: NDArray[np.float64], lit: NDArray[np.bool_], samples: int, times_ms: dict[str, float]
+) -> SampledTruth:
+    """Truth from the pixels' means over independent groups of samples, (groups, h, w)."""
+    error = means.std(axis=0, ddof=1) / np.sqrt(len(means))
+    return SampledTruth(means.mean(axis=0).astype(np.float32), error.astype(np.float32), lit, samples, times_ms)

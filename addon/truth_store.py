@@ -6,6 +6,7 @@ render."""
 from __future__ import annotations
 
 import contextlib
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -21,7 +22,7 @@ from .truth import (
     TRUTH_VERSION,
     CyclesTruth,
     LightTruth,
-    SoftTruth,
+    SampledTruth,
     TruthError,
     TruthSurface,
     find_light_object,
@@ -158,7 +159,7 @@ class TruthStore:
     def get_light(self, light: LightData) -> tuple[LightTruth, bool]:
         """A light's truth, and whether it came from the cache. Raises TruthError."""
         self.check_light(light)
-        key = compute_light_key(self._scene_key, light) if self._cache is not None else ""
+        key = self._compute_light_key(light)
         found = self._load(key)
         if found is not None:
             times = dict(zip(found["stages"].tolist(), found["times_ms"].tolist(), strict=True))
@@ -176,7 +177,7 @@ class TruthStore:
     def get_reached(self, light: LightData) -> NDArray[np.bool_]:
         """The pixels (h, w) that the light, made hard, reaches: for where a border lies. Raises TruthError."""
         self.check_light(light)
-        light_key = compute_light_key(self._scene_key, light) if self._cache is not None else ""
+        light_key = self._compute_light_key(light)
         key = compute_key(light_key, {"truth": "reached"})
         found = self._load(key)
         if found is not None:
@@ -186,17 +187,25 @@ class TruthStore:
         self._store(key, {"reached": np.packbits(reached, axis=1), "width": np.int64(reached.shape[1])})
         return reached
 
-    def get_soft(self, light: LightData, sample_count: int) -> tuple[SoftTruth, bool]:
+    def get_soft(self, light: LightData, sample_count: int) -> tuple[SampledTruth, bool]:
         """The truth of a light in its real size, and whether it came from the cache. Raises TruthError."""
-        self.check_light(light)
-        light_key = compute_light_key(self._scene_key, light) if self._cache is not None else ""
+        light_key = self._compute_light_key(light)
         key = compute_soft_key(light_key, light, sample_count)
+        return self._get_sampled(light, key, lambda: self._get_cycles().render_soft_light(light.name, sample_count))
+
+    def get_pixel(self, light: LightData, sample_count: int) -> tuple[SampledTruth, bool]:
+        """The hard truth's mean over each pixel's square, and whether it came from the cache. Raises TruthError."""
+        key = compute_key(self._compute_light_key(light), {"truth": "pixel", "samples": sample_count})
+        return self._get_sampled(light, key, lambda: self._get_cycles().render_pixel_light(light.name, sample_count))
+
+    def _get_sampled(self, light: LightData, key: str, render: Callable[[], SampledTruth]) -> tuple[SampledTruth, bool]:
+        self.check_light(light)
         found = self._load(key)
         if found is not None:
             times = dict(zip(found["stages"].tolist(), found["times_ms"].tolist(), strict=True))
-            truth = SoftTruth(found["visibility"], found["error"], found["lit"], int(found["samples"]), times)
+            truth = SampledTruth(found["visibility"], found["error"], found["lit"], int(found["samples"]), times)
             return truth, True
-        truth = self._get_cycles().render_soft_light(light.name, sample_count)
+        truth = render()
         self._store(key, {
             "visibility": truth.visibility,
             "error": truth.error,
@@ -218,7 +227,7 @@ class TruthStore:
         """The exact mask of the layer's light, averaged over the square in the layer's map, at the pixels `wanted`
         (h, w); and whether it came from the cache. Raises TruthError."""
         light = self._snapshot.lights[layer.job.light]
-        light_key = compute_light_key(self._scene_key, light) if self._cache is not None else ""
+        light_key = self._compute_light_key(light)
         key = compute_filtered_key(light_key, layer, footprint, sample_count, wanted)
         found = self._load(key)
         if found is not None:
@@ -237,6 +246,9 @@ class TruthStore:
             "time_ms": np.float64(truth.time_ms),
         })  # fmt: skip
         return truth, False
+
+    def _compute_light_key(self, light: LightData) -> str:
+        return compute_light_key(self._scene_key, light) if self._cache is not None else ""
 
     def _get_cycles(self) -> CyclesTruth:
         if self._cycles is None:

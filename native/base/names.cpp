@@ -10,10 +10,10 @@ namespace {
 // In the order of the enumerators.
 constexpr std::array<const char*, 4> kLightKinds = {"SUN", "SPOT", "POINT", "AREA"};
 constexpr std::array<const char*, 3> kPixelFilters = {"BOX", "GAUSSIAN", "BLACKMAN_HARRIS"};
-constexpr std::array<const char*, 3> kTruthKinds = {"hard", "filtered", "soft"};
+constexpr std::array<const char*, 4> kTruthKinds = {"hard", "filtered", "soft", "pixel"};
 constexpr std::array<const char*, 4> kParameterTypes = {"bool", "int", "float", "enum"};
 static_assert(int(LightKind::Area) == 3 && int(PixelFilterKind::BlackmanHarris) == 2 && int(ParameterType::Enum) == 3 &&
-              int(TruthKind::Soft) == 2);
+              int(TruthKind::Pixel) == 3);
 
 template <class Names, class Enum>
 const char* name_of(const Names& names, Enum value) {

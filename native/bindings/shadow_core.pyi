@@ -47,11 +47,11 @@ class TechniqueInfo(TypedDict):
     lights: list[str]  # "SUN" | "SPOT" | "POINT" | "AREA"
     parameters: list[ParameterInfo]
     outputs: list[OutputInfo]
-    truth: str  # "hard" | "filtered" | "soft", with all parameters at their defaults
+    truth: str  # "hard" | "filtered" | "soft" | "pixel", with all parameters at their defaults
     test_only: bool
 
 class TruthInfo(TypedDict):
-    kind: str  # "hard" | "filtered" | "soft"
+    kind: str  # "hard" | "filtered" | "soft" | "pixel"
     footprint_texels: float  # filtered: side of the square that is averaged over, in the plane of a view's map
     footprint_world: float  # filtered: if not 0, side of the square in scene units on the receiver's plane
 

@@ -10,6 +10,7 @@
 #include "lights/light_shape.h"
 #include "lights/light_views.h"
 #include "shadow_layers/error.h"
+#include "truth/pixel_samples.h"
 #include "truth/ray_oracle.h"
 
 namespace shadow_layers::truth {
@@ -116,9 +117,7 @@ struct ExactLayers::Impl {
         const PixelRay ray =
             compute_pixel_ray(frame.camera, double(pixel % std::size_t(frame.width)) + 0.5,
                               double(pixel / std::size_t(frame.width)) + 0.5, frame.width, frame.height);
-        std::array<glm::dvec3, 3> seen = corners;
-        for (glm::dvec3& corner : seen) corner += oracle.get_origin() - ray.origin_ws;
-        const auto distance = intersect_plane({glm::dvec3(0), ray.direction}, seen);
+        const auto distance = oracle.meet_plane(ray, frame.ids[pixel]);
         return {distance ? ray.origin_ws + *distance * ray.direction
                          : frame.origin_ws + glm::dvec3(frame.positions_rel[pixel]),
                 normal};
@@ -219,6 +218,11 @@ struct ExactLayers::Impl {
         return mean;
     }
 
+    std::vector<float> compute_pixel(const Light& light) {
+        return compute_pixel_means(oracle, frame.scene, frame.camera, frame.width, frame.height, light,
+                                   sample_light_shape(light, 1).front(), pool, [&] { check_cancelled(); });
+    }
+
     void check_cancelled() const {
         if (cancelled) throw Cancelled();
     }
@@ -246,6 +250,8 @@ std::vector<float> ExactLayers::compute(std::uint32_t light, const TruthSpec& sp
             return impl_->compute_soft(source);
         case TruthKind::Filtered:
             return impl_->compute_filtered(source, spec, map_size);
+        case TruthKind::Pixel:
+            return impl_->compute_pixel(source);
         case TruthKind::Hard:
             break;
     }

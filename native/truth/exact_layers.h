@@ -13,7 +13,8 @@
 
 namespace shadow_layers::truth {
 
-/// What the layers of one picture should be, by exact rays: one sample at each pixel's centre, row 0 at the bottom.
+/// What the layers of one picture should be, by exact rays: one sample at each pixel's centre (but for the truth that
+/// is a mean over the pixel), row 0 at the bottom.
 class ExactLayers {
 public:
     /// Finds what each pixel sees. `threads` <= 0: one per core. Throws Cancelled, as `compute`, once `cancelled` is
@@ -32,7 +33,7 @@ public:
     /// the receiver's own surface, where it rises before that plane less than it is away, is no blocker. Where the
     /// square's corners, sides' middles and centre agree, they are the answer; elsewhere kFilterSide^2 points are
     /// taken. Soft: the mean over kLightPositions points of the light's shape, each weighted by the light that it
-    /// brings. Throws Cancelled.
+    /// brings. Pixel: the mean over the pixel's square (compute_pixel_means). Throws Cancelled.
     std::vector<float> compute(std::uint32_t light, const TruthSpec& spec, int map_size) const;
 
     /// 1 where the pixel's visibility is decided by what lies between it and the light: its face is turned to the

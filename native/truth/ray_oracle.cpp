@@ -196,6 +196,14 @@ bool RayOracle::is_occluded(const glm::dvec3& receiver_ws, const PixelIds& recei
     return ray.tfar < 0;
 }
 
+std::optional<double> RayOracle::meet_plane(const PixelRay& ray, const PixelIds& ids) const {
+    const std::array<glm::dvec3, 3> corners = get_corners(ids);
+    const glm::dvec3 normal = glm::cross(corners[1] - corners[0], corners[2] - corners[0]);
+    const double along = glm::dot(ray.direction, normal);
+    if (along == 0) return std::nullopt;
+    return glm::dot(corners[0] + (impl_->origin - ray.origin_ws), normal) / along;
+}
+
 std::vector<float> RayOracle::compute_visibility(const Frame& frame, const Light& light, const LightPosition& position,
                                                  ThreadPool* threads) const {
     const FacingRule rule(frame, light, position);
@@ -209,9 +217,7 @@ std::vector<float> RayOracle::compute_visibility(const Frame& frame, const Light
             const PixelRay ray =
                 compute_pixel_ray(frame.camera, double(pixel % std::size_t(frame.width)) + 0.5,
                                   double(pixel / std::size_t(frame.width)) + 0.5, frame.width, frame.height);
-            Corners corners = get_corners(ids);
-            for (glm::dvec3& p : corners) p += impl_->origin - ray.origin_ws;
-            const auto distance = intersect_plane({glm::dvec3(0), ray.direction}, corners);
+            const auto distance = meet_plane(ray, ids);
             const glm::dvec3 receiver = distance ? ray.origin_ws + *distance * ray.direction
                                                  : frame.origin_ws + glm::dvec3(frame.positions_rel[pixel]);
             if (is_occluded(receiver, ids, light, position)) visibility[pixel] = 0;
@@ -222,6 +228,15 @@ std::vector<float> RayOracle::compute_visibility(const Frame& frame, const Light
     else
         work(0, frame.pixel_count());
     return visibility;
+}
+
+void RayOracle::set_receiver(Frame& frame, std::size_t pixel, const PixelRay& ray, const RayHit& hit) const {
+    const Corners c = get_corners(hit.ids);
+    const glm::dvec3 normal = glm::normalize(glm::cross(c[1] - c[0], c[2] - c[0]));
+    frame.ids[pixel] = hit.ids;
+    frame.coverage[pixel] = !(impl_->scene->instances[hit.ids.instance].flags & kInstanceHoldout);
+    frame.positions_rel[pixel] = glm::vec3(ray.origin_ws + hit.distance * ray.direction - frame.origin_ws);
+    frame.normals[pixel] = glm::vec3(glm::dot(normal, ray.direction) > 0 ? -normal : normal);
 }
 
 Frame RayOracle::make_frame(const Camera& camera, int width, int height, ThreadPool* threads) const {
@@ -241,13 +256,7 @@ Frame RayOracle::make_frame(const Camera& camera, int width, int height, ThreadP
                                                    double(pixel / std::size_t(width)) + 0.5, width, height);
             const auto hit =
                 find_first(ray.origin_ws, ray.direction, camera.clip_start, camera.clip_end, kInstanceCamera);
-            if (!hit) continue;
-            const Corners c = get_corners(hit->ids);
-            const glm::dvec3 normal = glm::normalize(glm::cross(c[1] - c[0], c[2] - c[0]));
-            frame.ids[pixel] = hit->ids;
-            frame.coverage[pixel] = !(impl_->scene->instances[hit->ids.instance].flags & kInstanceHoldout);
-            frame.positions_rel[pixel] = glm::vec3(ray.origin_ws + hit->distance * ray.direction - frame.origin_ws);
-            frame.normals[pixel] = glm::vec3(glm::dot(normal, ray.direction) > 0 ? -normal : normal);
+            if (hit) set_receiver(frame, pixel, ray, *hit);
         }
     };
     if (threads)
@@ -265,13 +274,6 @@ PixelRay compute_pixel_ray(const Camera& camera, double x_px, double y_px, int w
     const glm::dvec3 eye(camera.world_from_camera[3]);
     if (camera.perspective) return {eye, axes * glm::dvec3(x, y, -1)};
     return {eye + axes * glm::dvec3(x, y, 0), axes * glm::dvec3(0, 0, -1)};
-}
-
-std::optional<double> intersect_plane(const PixelRay& ray, const std::array<glm::dvec3, 3>& corners_ws) {
-    const glm::dvec3 normal = glm::cross(corners_ws[1] - corners_ws[0], corners_ws[2] - corners_ws[0]);
-    const double along = glm::dot(ray.direction, normal);
-    if (along == 0) return std::nullopt;
-    return glm::dot(corners_ws[0] - ray.origin_ws, normal) / along;
 }
 
 }  // namespace shadow_layers::truth

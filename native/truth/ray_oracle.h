@@ -19,6 +19,11 @@ class ThreadPool;
 
 namespace shadow_layers::truth {
 
+/// A line of sight: of a pixel's centre, or of another place in the picture. Start, and direction of view depth 1.
+struct PixelRay {
+    glm::dvec3 origin_ws, direction;
+};
+
 /// A triangle that a ray meets.
 struct RayHit {
     PixelIds ids;
@@ -42,6 +47,9 @@ public:
     bool is_occluded(const glm::dvec3& receiver_ws, const PixelIds& receiver, const Light& light,
                      const LightPosition& position) const;
 
+    /// Where the ray meets the plane of the triangle, along its direction; nothing if it runs along the plane.
+    std::optional<double> meet_plane(const PixelRay& ray, const PixelIds& ids) const;
+
     /// The exact hard shadow: per pixel of the frame 1 = lit, 0 = in shadow or turned away, by the rule of
     /// lights/facing.h. Receivers are taken anew in double from the pixel's ray and the plane of the triangle in
     /// frame.ids.
@@ -50,6 +58,9 @@ public:
 
     /// A frame without GL: ids, positions, normals and coverage as frame.h says; no textures, no key.
     Frame make_frame(const Camera& camera, int width, int height, ThreadPool* threads = nullptr) const;
+
+    /// Makes the triangle that the ray meets what a pixel of the frame sees.
+    void set_receiver(Frame& frame, std::size_t pixel, const PixelRay& ray, const RayHit& hit) const;
 
     /// Corners of a triangle in the world, relative to get_origin().
     std::array<glm::dvec3, 3> get_corners(const PixelIds& ids) const;
@@ -60,13 +71,7 @@ private:
     std::unique_ptr<Impl> impl_;
 };
 
-/// The ray of a pixel's centre, by the camera's definition alone: start and direction of view depth 1.
-struct PixelRay {
-    glm::dvec3 origin_ws, direction;
-};
+/// The ray of a place in the picture (pixel centres at +0.5), by the camera's definition alone.
 PixelRay compute_pixel_ray(const Camera& camera, double x_px, double y_px, int width, int height);
-
-/// Where the ray meets the plane of the triangle; nothing if it runs along it.
-std::optional<double> intersect_plane(const PixelRay& ray, const std::array<glm::dvec3, 3>& corners_ws);
 
 }  // namespace shadow_layers::truth

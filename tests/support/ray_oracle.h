@@ -8,7 +8,6 @@
 namespace shadow_layers::testing {
 
 using truth::compute_pixel_ray;
-using truth::intersect_plane;
 using truth::PixelRay;
 using truth::RayHit;
 using truth::RayOracle;

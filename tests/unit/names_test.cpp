@@ -26,7 +26,9 @@ TEST(Names, EveryEnumeratorHasItsOwnAndIsFoundByIt) {
     for (const ParameterType type :
          {ParameterType::Bool, ParameterType::Int, ParameterType::Float, ParameterType::Enum})
         names.insert(get_name(type));
-    EXPECT_EQ(names.size(), 11u);
+    for (const TruthKind truth : {TruthKind::Hard, TruthKind::Filtered, TruthKind::Soft, TruthKind::Pixel})
+        names.insert(get_name(truth));
+    EXPECT_EQ(names.size(), 15u);
     EXPECT_EQ(names.count("unknown"), 0u);
 }
 

@@ -17,7 +17,7 @@ namespace shadow_layers {
 const char* get_name(LightKind kind);          ///< "SUN", "SPOT", "POINT", "AREA"
 const char* get_name(PixelFilterKind filter);  ///< "BOX", "GAUSSIAN", "BLACKMAN_HARRIS"
 const char* get_name(ParameterType type);      ///< "bool", "int", "float", "enum"
-const char* get_name(TruthKind kind);          ///< "hard", "filtered", "soft"
+const char* get_name(TruthKind kind);          ///< "hard", "filtered", "soft", "pixel"
 
 /// Nothing if there is none of that name.
 std::optional<LightKind> find_light_kind(std::string_view name);

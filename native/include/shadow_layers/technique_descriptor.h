@@ -43,6 +43,7 @@ enum class TruthKind : std::uint8_t {
     Hard,      ///< the mask of a light without size
     Filtered,  ///< that mask, averaged over a square in the map or on the receiver's plane
     Soft,      ///< the light in its real size
+    Pixel,     ///< the hard mask, averaged over the pixel's square: of every point what the camera sees there
 };
 
 /// The truth of a layer with given parameters. A filter of another shape names the square of the same variance (a

@@ -95,6 +95,9 @@ TechniqueDescriptor describe_afsm() {
     d.lights = all_light_kinds();
     d.limits = "Many receivers in a texel, and long thin casters, cost time";
     d.needs = [](const ParameterValues& values) { return map_needs(values); };
+    d.truth = [](const ParameterValues& values) {
+        return TruthSpec{values.get_int("samples") > 1 ? TruthKind::Pixel : TruthKind::Hard};
+    };
     return d;
 }
 
