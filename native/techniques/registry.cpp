@@ -10,6 +10,7 @@
 #include "techniques/evsm/evsm.h"
 #include "techniques/exact/exact.h"
 #include "techniques/extsm/extsm.h"
+#include "techniques/fsasm/fsasm.h"
 #include "techniques/msm/msm.h"
 #include "techniques/multi/multi.h"
 #include "techniques/pcf/pcf.h"
@@ -50,6 +51,7 @@ const std::vector<TechniqueEntry>& technique_entries() {
         {describe_multi, make_multi},
         {describe_exact, make_exact},
         {describe_afsm, make_afsm},
+        {describe_fsasm, make_fsasm},
         {describe_probe, make_probe},
         // clang-format on
     };

@@ -1,0 +1,119 @@
+// SPDX-FileCopyrightText: 2026 Shadow Layers contributors
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "techniques/fsasm/facet_contact.h"
+
+#include <algorithm>
+#include <array>
+
+namespace shadow_layers {
+namespace {
+
+using facet_kernel::Conditions;
+using facet_kernel::kWords;
+
+// Casters that miss the facet by this part of its depth touch it: their corners are rounded.
+constexpr double kTouch = 1e-5;
+constexpr int kMostCorners = 8;
+
+double value_at(const Conditions& c, int i, const glm::dvec2& place) {
+    return c.at[i] + c.by_x[i] * place.x + c.by_y[i] * place.y;
+}
+
+/// Least and greatest value of the caster's plane over what its edges leave of the square; least > greatest if nothing
+/// is left.
+void find_plane_range(const Conditions& c, double& least, double& greatest) {
+    glm::dvec2 corners[kMostCorners] = {{-0.5, -0.5}, {0.5, -0.5}, {0.5, 0.5}, {-0.5, 0.5}};
+    int count = 4;
+    for (int edge = 0; edge < 3; ++edge) {
+        glm::dvec2 kept[kMostCorners];
+        int kept_count = 0;
+        for (int i = 0; i < count; ++i) {
+            const glm::dvec2 &from = corners[i], &to = corners[(i + 1) % count];
+            const double at_from = value_at(c, edge, from) + c.error[edge],
+                         at_to = value_at(c, edge, to) + c.error[edge];
+            if (at_from >= 0) kept[kept_count++] = from;
+            if ((at_from >= 0) != (at_to >= 0)) kept[kept_count++] = from + (at_from / (at_from - at_to)) * (to - from);
+        }
+        std::copy(kept, kept + kept_count, corners);
+        count = kept_count;
+    }
+    least = 1;
+    greatest = -1;
+    for (int i = 0; i < count; ++i) {
+        const double value = value_at(c, 3, corners[i]);
+        least = i == 0 ? value : std::min(least, value);
+        greatest = i == 0 ? value : std::max(greatest, value);
+    }
+}
+
+}  // namespace
+
+FacetContacts::FacetContacts(const Frame& frame, const OcclusionRule& rule, const facet_kernel::Samples& samples,
+                             Validity validity)
+    : frame_(frame),
+      rule_(rule),
+      samples_(samples),
+      validity_(validity),
+      rays_(frame.camera, frame.width, frame.height) {}
+
+void FacetContacts::settle(const SilhouetteFacet& owner, const facet_kernel::CasterTriangle& caster,
+                           const facet_kernel::LightFacet& facet, const Conditions& c,
+                           facet_kernel::FacetPair& pair) const {
+    double least, greatest;
+    find_plane_range(c, least, greatest);
+    if (least > greatest) return;
+    const PixelIds ids{caster.instance, caster.triangle};
+    if (rule_.lies_in_plane(glm::dvec3(owner.rel.at), frame_.ids[owner.pixel], ids)) return;
+    std::uint32_t occluded[kWords];
+    std::copy(std::begin(facet.in_view), std::end(facet.in_view), occluded);
+    for (int i = 0; i < 4; ++i)
+        facet_kernel::mask_half_plane(samples_, {c.at[i], c.by_x[i], c.by_y[i]}, c.error[i], occluded);
+    for (int word = 0; word < kWords; ++word) pair.occluded[word] |= occluded[word];
+    if (validity_ == Validity::Line) cut_beyond_line(facet, c, least, greatest, pair);
+    if (validity_ == Validity::Seen) cut_hidden(owner, ids, pair);
+}
+
+void FacetContacts::cut_beyond_line(const facet_kernel::LightFacet& facet, const Conditions& c, double least,
+                                    double greatest, facet_kernel::FacetPair& pair) const {
+    const double touch = kTouch * facet.depth_extent + c.error[3];
+    if (least > touch || greatest <= touch) return;
+    const double side = c.at[3] >= 0 ? 1 : -1;
+    std::uint32_t kept[kWords] = {~0u, ~0u, ~0u, ~0u};
+    facet_kernel::mask_half_plane(samples_, {side * c.at[3], side * c.by_x[3], side * c.by_y[3]}, 0, kept);
+    for (int word = 0; word < kWords; ++word) pair.cut[word] |= ~kept[word];
+}
+
+void FacetContacts::cut_hidden(const SilhouetteFacet& owner, const PixelIds& caster,
+                               facet_kernel::FacetPair& pair) const {
+    const double x = double(owner.pixel % std::uint32_t(frame_.width)) + 0.5;
+    const double y = double(owner.pixel / std::uint32_t(frame_.width)) + 0.5;
+    const glm::dvec3 origin = rays_.origin_0 + x * rays_.origin_dx + y * rays_.origin_dy;
+    const glm::dvec3 direction = rays_.direction_0 + x * rays_.direction_dx + y * rays_.direction_dy;
+    const std::array<glm::dvec3, 3> corners = rule_.get_corners(caster);
+    const glm::dvec3 normal = glm::cross(corners[1] - corners[0], corners[2] - corners[0]);
+    const double facing = -glm::dot(normal, direction);
+    if (facing == 0) return;
+    const double side = facing > 0 ? 1 : -1;
+    std::uint32_t hidden[kWords] = {~0u, ~0u, ~0u, ~0u};
+    // The volume of ray and edge, d . (p - o) x (q - o), is linear over the square like o or d, whichever is not the
+    // same for all rays.
+    for (int i = 0; i < 3; ++i) {
+        const glm::dvec3 &p = corners[std::size_t(i)], &q = corners[std::size_t((i + 1) % 3)];
+        const glm::dvec3 area = glm::cross(p - origin, q - origin), along = glm::cross(p - q, direction);
+        const auto derive = [&](const glm::dvec3& origin_by, const glm::dvec3& direction_by) {
+            return -side * (glm::dot(direction_by, area) + glm::dot(origin_by, along));
+        };
+        facet_kernel::mask_half_plane(samples_,
+                                      {-side * glm::dot(direction, area), derive(rays_.origin_dx, rays_.direction_dx),
+                                       derive(rays_.origin_dy, rays_.direction_dy)},
+                                      0, hidden);
+    }
+    const glm::dvec4 plane(normal, -glm::dot(normal, corners[0]));
+    facet_kernel::mask_half_plane(samples_,
+                                  {-side * glm::dot(plane, owner.rel.at), -side * glm::dot(plane, owner.rel.by_x),
+                                   -side * glm::dot(plane, owner.rel.by_y)},
+                                  0, hidden);
+    for (int word = 0; word < kWords; ++word) pair.cut[word] |= hidden[word];
+}
+
+}  // namespace shadow_layers

@@ -1,0 +1,110 @@
+// SPDX-FileCopyrightText: 2026 Shadow Layers contributors
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "techniques/fsasm/facet_draw.h"
+
+#include <algorithm>
+#include <atomic>
+
+#include "stages/caster_forms.h"
+
+namespace shadow_layers {
+namespace {
+
+using facet_kernel::CasterTriangle;
+
+// Triangles are set up and drawn in chunks, so that memory stays bounded.
+constexpr std::size_t kChunk = 1 << 16;
+constexpr std::size_t kSetupBlock = 1 << 10;
+constexpr int kBandRows = 16;
+// Clip units; places are in double, so this is far more than they are off.
+constexpr double kMargin = 1e-9;
+
+class PairDraw {
+public:
+    PairDraw(Engine& engine, const Frame& frame, const LightView& view, PixelTexelPairs& pairs,
+             const facet_kernel::Samples& samples, const FacetContacts& contacts, std::span<SilhouetteFacet> facets)
+        : engine_(engine),
+          pairs_(pairs),
+          samples_(samples),
+          contacts_(contacts),
+          facets_(facets),
+          casters_(*frame.scene, view) {}
+
+    void draw() {
+        triangles_.resize(std::min(kChunk, casters_.size()));
+        for (std::size_t begin = 0; begin < casters_.size(); begin += kChunk) {
+            engine_.check_cancelled();
+            const std::size_t count = std::min(kChunk, casters_.size() - begin);
+            set_up(begin, count);
+            draw_bands(count);
+        }
+        engine_.count("triangle_texel_pairs", std::int64_t(texel_pairs_));
+        engine_.count("visibility_evaluations", std::int64_t(evaluations_));
+        engine_.count("contacts", std::int64_t(contact_count_));
+    }
+
+private:
+    void set_up(std::size_t begin, std::size_t count) {
+        engine_.threads().parallel_for(count, kSetupBlock, [&](std::size_t from, std::size_t to) {
+            for (std::size_t slot = from; slot < to; ++slot) {
+                CasterTriangle& t = triangles_[slot];
+                if (!casters_.set_up(begin + slot, pairs_.side, kMargin, t, pairs_.count.data()))
+                    t.row_end = t.row_begin = 0;
+            }
+        });
+    }
+
+    void draw_bands(std::size_t count) {
+        const std::size_t bands = std::size_t((pairs_.side + kBandRows - 1) / kBandRows);
+        std::vector<std::vector<std::uint32_t>> orders(bands);
+        for (std::size_t i = 0; i < count; ++i)
+            for (int band = triangles_[i].row_begin / kBandRows; band * kBandRows < triangles_[i].row_end; ++band)
+                orders[std::size_t(band)].push_back(std::uint32_t(i));
+        engine_.threads().parallel_for(bands, 1, [&](std::size_t band, std::size_t) {
+            draw_band(orders[band], int(band) * kBandRows, std::min(int(band + 1) * kBandRows, pairs_.side));
+        });
+    }
+
+    void draw_band(const std::vector<std::uint32_t>& order, int row_begin, int row_end) {
+        const facet_kernel::PairTexels texels{pairs_.side,         1.0 / pairs_.side,   pairs_.first.data(),
+                                              pairs_.count.data(), pairs_.pairs.data(), pairs_.facets.data()};
+        facet_kernel::Answers answers{&PairDraw::settle, this, 0, 0, 0};
+        draw_triangles_(triangles_.data(), order.data(), order.size(), row_begin, row_end, texels, samples_, answers);
+        texel_pairs_ += answers.texel_pairs;
+        evaluations_ += answers.evaluations;
+        contact_count_ += answers.contacts;
+    }
+
+    static void settle(void* context, const CasterTriangle& caster, const facet_kernel::LightFacet& facet,
+                       const facet_kernel::Conditions& conditions, facet_kernel::FacetPair& pair) {
+        const auto& self = *static_cast<const PairDraw*>(context);
+        self.contacts_.settle(self.facets_[facet.facet], caster, facet, conditions, pair);
+    }
+
+    Engine& engine_;
+    PixelTexelPairs& pairs_;
+    const facet_kernel::Samples& samples_;
+    const FacetContacts& contacts_;
+    std::span<SilhouetteFacet> facets_;
+    CasterRow casters_;
+    std::vector<CasterTriangle> triangles_;
+    const facet_kernel::DrawTriangles draw_triangles_ = facet_kernel::choose_draw_triangles();
+    std::atomic<std::uint64_t> texel_pairs_{0}, evaluations_{0}, contact_count_{0};
+};
+
+}  // namespace
+
+void draw_casters_over_pairs(Engine& engine, const Frame& frame, const LightView& view, PixelTexelPairs& pairs,
+                             const facet_kernel::Samples& samples, const FacetContacts& contacts,
+                             std::span<SilhouetteFacet> facets) {
+    PairDraw(engine, frame, view, pairs, samples, contacts, facets).draw();
+    for (const facet_kernel::FacetPair& pair : pairs.pairs) {
+        SilhouetteFacet& facet = facets[pairs.facets[pair.light_facet].facet];
+        for (std::size_t word = 0; word < kMaskWords; ++word) {
+            facet.occluded.words[word] |= pair.occluded[word];
+            facet.cut.words[word] |= pair.cut[word];
+        }
+    }
+}
+
+}  // namespace shadow_layers

@@ -1,0 +1,90 @@
+// SPDX-FileCopyrightText: 2026 Shadow Layers contributors
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+// The inner loop of sub-pixel visibility, built once per instruction set. Plain data only, as in stages/tile_kernel.h.
+
+#include <cstddef>
+#include <cstdint>
+
+#include "stages/tile_kernel.h"
+
+namespace shadow_layers::facet_kernel {
+
+using tile_kernel::CasterTriangle;
+using tile_kernel::LinearForm;
+
+inline constexpr int kWords = 4;
+
+/// A facet in a view's clip space: x, y, z, w as linear forms over the pixel's square.
+struct LightFacet {
+    double at[4], by_x[4], by_y[4];
+    double extent;  ///< bound of |x| + |y| + |w| over the square
+    double depth_extent;
+    double near;                    ///< casters whose plane comes nearer in depth are settled
+    std::uint32_t in_view[kWords];  ///< samples that this view answers for
+    std::uint32_t facet;            ///< number of it; of several views the same
+    std::uint32_t instance, triangle;
+};
+
+/// A pixel-texel pair: a facet in the list of a texel that it covers, and what the casters of that texel do to it.
+struct FacetPair {
+    std::uint32_t light_facet;
+    std::uint32_t occluded[kWords];
+    std::uint32_t cut[kWords];  ///< samples that the validity mask loses
+};
+
+/// Texels of a map of side x side with the pairs in them, row-major.
+struct PairTexels {
+    int side;
+    double half_size;  ///< of a texel, in clip units
+    const std::uint32_t* first;
+    const std::uint32_t* count;
+    FacetPair* pairs;
+    const LightFacet* facets;
+};
+
+/// Four forms over a square: >= 0 where the three edges and the plane of a caster let it shadow the facet.
+struct Conditions {
+    double at[4], by_x[4], by_y[4];
+    double reach[4];  ///< what the slopes add within the square, at most
+    double error[4];
+};
+
+/// Samples, and with `masks` the look-up table of half-planes instead of their places.
+struct Samples {
+    int count;
+    const float *x, *y;
+    const void* table;
+    void (*look_up)(const void* table, double at, double by_x, double by_y, std::uint32_t (&mask)[kWords]);
+};
+
+struct Answers {
+    /// Decides a pair whose triangle comes near the facet within the square.
+    void (*settle)(void* context, const CasterTriangle& caster, const LightFacet& facet, const Conditions& conditions,
+                   FacetPair& pair);
+    void* context;
+    std::uint64_t texel_pairs;  ///< triangle-texel pairs
+    std::uint64_t evaluations;  ///< of a triangle and a pixel
+    std::uint64_t contacts;     ///< settled
+};
+
+/// Removes from `mask` the samples where the form, of the place in the square, is negative. Places nearer to 0 than
+/// `error` are looked at in double.
+void mask_half_plane(const Samples& samples, const LinearForm& form, double error, std::uint32_t (&mask)[kWords]);
+
+/// Draws the triangles over rows [row_begin, row_end) of the texels. A pair belongs to one caller.
+using DrawTriangles = void (*)(const CasterTriangle* triangles, const std::uint32_t* order, std::size_t count,
+                               int row_begin, int row_end, const PairTexels& texels, const Samples& samples,
+                               Answers& answers);
+
+void draw_triangles_base(const CasterTriangle*, const std::uint32_t*, std::size_t, int, int, const PairTexels&,
+                         const Samples&, Answers&);
+#if defined(__x86_64__)
+void draw_triangles_avx2(const CasterTriangle*, const std::uint32_t*, std::size_t, int, int, const PairTexels&,
+                         const Samples&, Answers&);
+#endif
+
+/// The best that this processor runs.
+DrawTriangles choose_draw_triangles();
+
+}  // namespace shadow_layers::facet_kernel
