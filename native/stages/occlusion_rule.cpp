@@ -88,19 +88,6 @@ bool OcclusionRule::is_blocked(const glm::dvec3& receiver_rel, const PixelIds& r
     return !is_neighbour_in_plane(get_corners(receiver), corners);
 }
 
-bool OcclusionRule::lies_in_plane(const glm::dvec3& receiver_rel, const PixelIds& receiver,
-                                  const PixelIds& caster) const {
-    const Corners own = get_corners(receiver), corners = get_corners(caster);
-    const glm::dvec3 normal = glm::cross(own[1] - own[0], own[2] - own[0]);
-    const double scale = glm::length(normal), rounding = find_corner_rounding(caster);
-    for (const glm::dvec3& corner : corners) {
-        const glm::dvec3 reach = corner - receiver_rel;
-        if (!(std::abs(glm::dot(normal, reach)) <= scale * (kFlatTolerance * glm::length(reach) + rounding)))
-            return false;
-    }
-    return true;
-}
-
 double OcclusionRule::find_corner_rounding(const PixelIds& ids) const {
     const Instance& instance = frame_.scene->instances[ids.instance];
     const Mesh& mesh = *frame_.scene->meshes[instance.mesh];
@@ -112,6 +99,15 @@ double OcclusionRule::find_corner_rounding(const PixelIds& ids) const {
             largest = std::max(largest, glm::length(glm::dvec3(instance.world_from_object[axis])) * size[axis]);
     }
     return kCornerRounding * largest;
+}
+
+bool lies_in_plane(const glm::dvec3& point, const glm::dvec3& unit_normal, const OcclusionRule::Corners& corners,
+                   double rounding) {
+    for (const glm::dvec3& corner : corners) {
+        const glm::dvec3 reach = corner - point;
+        if (!(std::abs(glm::dot(unit_normal, reach)) <= kFlatTolerance * glm::length(reach) + rounding)) return false;
+    }
+    return true;
 }
 
 }  // namespace shadow_layers

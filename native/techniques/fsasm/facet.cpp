@@ -51,7 +51,7 @@ void set_range(double low, double high, int side, int& begin, int& end) {
 
 FacetMaker::FacetMaker(const Frame& frame) : frame_(frame), rays_(frame.camera, frame.width, frame.height) {}
 
-std::optional<SquareForm> FacetMaker::make(std::size_t pixel) const {
+std::optional<FacetMaker::Facet> FacetMaker::make(std::size_t pixel) const {
     const TrianglePlane plane = compute_triangle_plane(*frame_.scene, frame_.ids[pixel], frame_.camera);
     const double x = double(pixel % std::size_t(frame_.width)) + 0.5;
     const double y = double(pixel / std::size_t(frame_.width)) + 0.5;
@@ -71,8 +71,9 @@ std::optional<SquareForm> FacetMaker::make(std::size_t pixel) const {
                           along_by);
     };
     const double scale = 1 / along;
-    return SquareForm{glm::dvec4(found, 1), derive(rays_.origin_dx, rays_.direction_dx) * scale,
-                      derive(rays_.origin_dy, rays_.direction_dy) * scale};
+    return Facet{{glm::dvec4(found, 1), derive(rays_.origin_dx, rays_.direction_dx) * scale,
+                  derive(rays_.origin_dy, rays_.direction_dy) * scale},
+                 n};
 }
 
 double find_reach(const SquareForm& facet_rel) {
@@ -95,6 +96,10 @@ SampleMask find_in_front(const SquareForm& form, const SamplePlaces& places) {
 }
 
 SampleMask find_in_view(const SquareForm& facet_lc, const SamplePlaces& places) {
+    const auto reach = [&](int i) { return 0.5 * (std::abs(facet_lc.by_x[i]) + std::abs(facet_lc.by_y[i])); };
+    const double least_w = facet_lc.at.w - reach(3);
+    if (std::abs(facet_lc.at.x) + reach(0) <= least_w && std::abs(facet_lc.at.y) + reach(1) <= least_w)
+        return places.all();
     SampleMask mask;
     for (int i = 0; i < places.count; ++i) {
         const glm::dvec4 lc = facet_lc.value(double(places.x[std::size_t(i)]), double(places.y[std::size_t(i)]));

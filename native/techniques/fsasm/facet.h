@@ -29,8 +29,12 @@ public:
     /// `frame` must outlive it.
     explicit FacetMaker(const Frame& frame);
 
-    /// In the space "_rel". None if the pixel's ray runs along the plane, so that its position is no point of it.
-    std::optional<SquareForm> make(std::size_t pixel) const;
+    struct Facet {
+        SquareForm rel;     ///< in the space "_rel"
+        glm::dvec3 normal;  ///< unit, turned to the camera
+    };
+    /// None if the pixel's ray runs along the plane, so that its position is no point of it.
+    std::optional<Facet> make(std::size_t pixel) const;
 
 private:
     const Frame& frame_;

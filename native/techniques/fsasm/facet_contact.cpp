@@ -3,7 +3,7 @@
 #include "techniques/fsasm/facet_contact.h"
 
 #include <algorithm>
-#include <array>
+#include <cmath>
 
 namespace shadow_layers {
 namespace {
@@ -56,63 +56,69 @@ FacetContacts::FacetContacts(const Frame& frame, const OcclusionRule& rule, cons
       validity_(validity),
       rays_(frame.camera, frame.width, frame.height) {}
 
-void FacetContacts::settle(const SilhouetteFacet& owner, const facet_kernel::CasterTriangle& caster,
-                           const facet_kernel::LightFacet& facet, const Conditions& c,
-                           facet_kernel::FacetPair& pair) const {
-    double least, greatest;
-    find_plane_range(c, least, greatest);
-    if (least > greatest) return;
-    const PixelIds ids{caster.instance, caster.triangle};
-    if (rule_.lies_in_plane(glm::dvec3(owner.rel.at), frame_.ids[owner.pixel], ids)) return;
-    std::uint32_t occluded[kWords];
-    std::copy(std::begin(facet.in_view), std::end(facet.in_view), occluded);
-    for (int i = 0; i < 4; ++i)
-        facet_kernel::mask_half_plane(samples_, {c.at[i], c.by_x[i], c.by_y[i]}, c.error[i], occluded);
-    for (int word = 0; word < kWords; ++word) pair.occluded[word] |= occluded[word];
-    if (validity_ == Validity::Line) cut_beyond_line(facet, c, least, greatest, pair);
-    if (validity_ == Validity::Seen) cut_hidden(owner, ids, pair);
+NearCaster FacetContacts::describe(const PixelIds& caster) const {
+    NearCaster result;
+    result.ids = caster;
+    result.corners = rule_.get_corners(caster);
+    result.normal = glm::cross(result.corners[1] - result.corners[0], result.corners[2] - result.corners[0]);
+    result.rounding = rule_.find_corner_rounding(caster);
+    for (std::size_t i = 0; i < 3; ++i) {
+        const glm::dvec3 &p = result.corners[i], &q = result.corners[(i + 1) % 3];
+        result.edges[i] = p - q;
+        result.volumes[i] = glm::cross(p, q);
+    }
+    return result;
 }
 
-void FacetContacts::cut_beyond_line(const facet_kernel::LightFacet& facet, const Conditions& c, double least,
-                                    double greatest, facet_kernel::FacetPair& pair) const {
+void FacetContacts::settle(const SilhouetteFacet& owner, const NearCaster& caster,
+                           const facet_kernel::LightFacet& facet, const Conditions& c,
+                           const std::uint32_t (&occluded)[kWords], facet_kernel::FacetPair& pair) const {
+    if (lies_in_plane(glm::dvec3(owner.rel.at), owner.normal, caster.corners, caster.rounding)) return;
+    for (int word = 0; word < kWords; ++word) pair.occluded[word] |= occluded[word];
+    if (validity_ == Validity::Line) cut_beyond_line(facet, c, pair);
+    if (validity_ == Validity::Seen) cut_hidden(owner, caster, pair);
+}
+
+void FacetContacts::cut_beyond_line(const facet_kernel::LightFacet& facet, const Conditions& c,
+                                    facet_kernel::FacetPair& pair) const {
+    double least, greatest;
+    find_plane_range(c, least, greatest);
     const double touch = kTouch * facet.depth_extent + c.error[3];
-    if (least > touch || greatest <= touch) return;
+    if (least > greatest || least > touch || greatest <= touch) return;
     const double side = c.at[3] >= 0 ? 1 : -1;
     std::uint32_t kept[kWords] = {~0u, ~0u, ~0u, ~0u};
-    facet_kernel::mask_half_plane(samples_, {side * c.at[3], side * c.by_x[3], side * c.by_y[3]}, 0, kept);
+    mask_half_plane_(samples_, {side * c.at[3], side * c.by_x[3], side * c.by_y[3]}, 0, kept);
     for (int word = 0; word < kWords; ++word) pair.cut[word] |= ~kept[word];
 }
 
-void FacetContacts::cut_hidden(const SilhouetteFacet& owner, const PixelIds& caster,
+void FacetContacts::cut_hidden(const SilhouetteFacet& owner, const NearCaster& caster,
                                facet_kernel::FacetPair& pair) const {
     const double x = double(owner.pixel % std::uint32_t(frame_.width)) + 0.5;
     const double y = double(owner.pixel / std::uint32_t(frame_.width)) + 0.5;
     const glm::dvec3 origin = rays_.origin_0 + x * rays_.origin_dx + y * rays_.origin_dy;
     const glm::dvec3 direction = rays_.direction_0 + x * rays_.direction_dx + y * rays_.direction_dy;
-    const std::array<glm::dvec3, 3> corners = rule_.get_corners(caster);
-    const glm::dvec3 normal = glm::cross(corners[1] - corners[0], corners[2] - corners[0]);
-    const double facing = -glm::dot(normal, direction);
+    const double facing = -glm::dot(caster.normal, direction);
     if (facing == 0) return;
-    const double side = facing > 0 ? 1 : -1;
-    std::uint32_t hidden[kWords] = {~0u, ~0u, ~0u, ~0u};
+    const double side = facing > 0 ? -1 : 1;
+    facet_kernel::LinearForm forms[4];
     // The volume of ray and edge, d . (p - o) x (q - o), is linear over the square like o or d, whichever is not the
     // same for all rays.
-    for (int i = 0; i < 3; ++i) {
-        const glm::dvec3 &p = corners[std::size_t(i)], &q = corners[std::size_t((i + 1) % 3)];
-        const glm::dvec3 area = glm::cross(p - origin, q - origin), along = glm::cross(p - q, direction);
-        const auto derive = [&](const glm::dvec3& origin_by, const glm::dvec3& direction_by) {
-            return -side * (glm::dot(direction_by, area) + glm::dot(origin_by, along));
-        };
-        facet_kernel::mask_half_plane(samples_,
-                                      {-side * glm::dot(direction, area), derive(rays_.origin_dx, rays_.direction_dx),
-                                       derive(rays_.origin_dy, rays_.direction_dy)},
-                                      0, hidden);
+    for (std::size_t i = 0; i < 3; ++i) {
+        const glm::dvec3 area = caster.volumes[i] + glm::cross(origin, caster.edges[i]);
+        const glm::dvec3 along = glm::cross(caster.edges[i], direction);
+        forms[i] = {side * glm::dot(direction, area),
+                    side * (glm::dot(rays_.direction_dx, area) + glm::dot(rays_.origin_dx, along)),
+                    side * (glm::dot(rays_.direction_dy, area) + glm::dot(rays_.origin_dy, along))};
     }
-    const glm::dvec4 plane(normal, -glm::dot(normal, corners[0]));
-    facet_kernel::mask_half_plane(samples_,
-                                  {-side * glm::dot(plane, owner.rel.at), -side * glm::dot(plane, owner.rel.by_x),
-                                   -side * glm::dot(plane, owner.rel.by_y)},
-                                  0, hidden);
+    const glm::dvec4 plane(caster.normal, -glm::dot(caster.normal, caster.corners[0]));
+    forms[3] = {side * glm::dot(plane, owner.rel.at), side * glm::dot(plane, owner.rel.by_x),
+                side * glm::dot(plane, owner.rel.by_y)};
+    const auto reach = [](const facet_kernel::LinearForm& f) { return 0.5 * (std::abs(f.by_x) + std::abs(f.by_y)); };
+    for (const auto& form : forms)
+        if (form.at_origin + reach(form) < 0) return;
+    std::uint32_t hidden[kWords] = {~0u, ~0u, ~0u, ~0u};
+    for (const auto& form : forms)
+        if (form.at_origin < reach(form)) mask_half_plane_(samples_, form, 0, hidden);
     for (int word = 0; word < kWords; ++word) pair.cut[word] |= hidden[word];
 }
 

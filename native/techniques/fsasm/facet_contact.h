@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <array>
+
 #include "stages/occlusion_rule.h"
 #include "techniques/fsasm/facet_pairs.h"
 
@@ -14,8 +16,18 @@ enum class Validity : std::uint8_t {
     Line,  ///< those beyond the line where a caster meets the facet ([Pan09] 3.4)
 };
 
-/// Pairs of a caster and a facet that come near each other within the pixel. Decided in double: a caster in the facet's
-/// plane does nothing; others shadow the samples that lie behind them. Then the validity mask:
+/// A caster as the camera sees it; corners relative to the frame's origin.
+struct NearCaster {
+    PixelIds ids;
+    std::array<glm::dvec3, 3> corners;
+    glm::dvec3 normal{0.0};             ///< not unit
+    std::array<glm::dvec3, 3> edges;    ///< p - q of corners p and q
+    std::array<glm::dvec3, 3> volumes;  ///< p x q
+    double rounding = 0;                ///< of its corners
+};
+
+/// Pairs of a caster and a facet that come near each other within the pixel: a caster in the facet's plane does
+/// nothing, others shadow their samples. Then the validity mask:
 ///
 /// - Line: of a caster that meets the facet within the pixel, samples on the other side of that line than the centre
 ///   are lost. A caster that meets it from below, as at a convex edge, costs nothing.
@@ -26,21 +38,24 @@ public:
     FacetContacts(const Frame& frame, const OcclusionRule& rule, const facet_kernel::Samples& samples,
                   Validity validity);
 
-    /// Thread-safe for different pairs.
-    void settle(const SilhouetteFacet& owner, const facet_kernel::CasterTriangle& caster,
-                const facet_kernel::LightFacet& facet, const facet_kernel::Conditions& conditions,
+    NearCaster describe(const PixelIds& caster) const;
+
+    /// `occluded`: samples that the caster shadows by its conditions. Thread-safe for different pairs.
+    void settle(const SilhouetteFacet& owner, const NearCaster& caster, const facet_kernel::LightFacet& facet,
+                const facet_kernel::Conditions& conditions, const std::uint32_t (&occluded)[facet_kernel::kWords],
                 facet_kernel::FacetPair& pair) const;
 
 private:
     void cut_beyond_line(const facet_kernel::LightFacet& facet, const facet_kernel::Conditions& conditions,
-                         double least, double greatest, facet_kernel::FacetPair& pair) const;
-    void cut_hidden(const SilhouetteFacet& owner, const PixelIds& caster, facet_kernel::FacetPair& pair) const;
+                         facet_kernel::FacetPair& pair) const;
+    void cut_hidden(const SilhouetteFacet& owner, const NearCaster& caster, facet_kernel::FacetPair& pair) const;
 
     const Frame& frame_;
     const OcclusionRule& rule_;
     const facet_kernel::Samples& samples_;
     Validity validity_;
     RayBasis rays_;
+    const facet_kernel::MaskHalfPlane mask_half_plane_ = facet_kernel::choose_mask_half_plane();
 };
 
 }  // namespace shadow_layers

@@ -44,6 +44,12 @@ public:
     }
 
 private:
+    /// What one thread keeps while it draws.
+    struct Band {
+        const PairDraw& draw;
+        NearCaster caster;  ///< the last one that came near a facet
+    };
+
     void set_up(std::size_t begin, std::size_t count) {
         engine_.threads().parallel_for(count, kSetupBlock, [&](std::size_t from, std::size_t to) {
             for (std::size_t slot = from; slot < to; ++slot) {
@@ -68,7 +74,8 @@ private:
     void draw_band(const std::vector<std::uint32_t>& order, int row_begin, int row_end) {
         const facet_kernel::PairTexels texels{pairs_.side,         1.0 / pairs_.side,   pairs_.first.data(),
                                               pairs_.count.data(), pairs_.pairs.data(), pairs_.facets.data()};
-        facet_kernel::Answers answers{&PairDraw::settle, this, 0, 0, 0};
+        Band state{*this, {}};
+        facet_kernel::Answers answers{&PairDraw::settle, &state, 0, 0, 0};
         draw_triangles_(triangles_.data(), order.data(), order.size(), row_begin, row_end, texels, samples_, answers);
         texel_pairs_ += answers.texel_pairs;
         evaluations_ += answers.evaluations;
@@ -76,9 +83,14 @@ private:
     }
 
     static void settle(void* context, const CasterTriangle& caster, const facet_kernel::LightFacet& facet,
-                       const facet_kernel::Conditions& conditions, facet_kernel::FacetPair& pair) {
-        const auto& self = *static_cast<const PairDraw*>(context);
-        self.contacts_.settle(self.facets_[facet.facet], caster, facet, conditions, pair);
+                       const facet_kernel::Conditions& conditions,
+                       const std::uint32_t (&occluded)[facet_kernel::kWords], facet_kernel::FacetPair& pair) {
+        Band& band = *static_cast<Band*>(context);
+        const PairDraw& self = band.draw;
+        // Pairs come triangle by triangle.
+        if (band.caster.ids.instance != caster.instance || band.caster.ids.triangle != caster.triangle)
+            band.caster = self.contacts_.describe({caster.instance, caster.triangle});
+        self.contacts_.settle(self.facets_[facet.facet], band.caster, facet, conditions, occluded, pair);
     }
 
     Engine& engine_;

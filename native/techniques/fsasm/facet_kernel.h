@@ -23,6 +23,7 @@ struct LightFacet {
     double near;                    ///< casters whose plane comes nearer in depth are settled
     std::uint32_t in_view[kWords];  ///< samples that this view answers for
     std::uint32_t facet;            ///< number of it; of several views the same
+    std::uint32_t is_alone;         ///< 1: no other view answers for it
     std::uint32_t instance, triangle;
 };
 
@@ -59,9 +60,9 @@ struct Samples {
 };
 
 struct Answers {
-    /// Decides a pair whose triangle comes near the facet within the square.
+    /// Decides a pair whose triangle comes near the facet within the square and shadows the samples in `occluded`.
     void (*settle)(void* context, const CasterTriangle& caster, const LightFacet& facet, const Conditions& conditions,
-                   FacetPair& pair);
+                   const std::uint32_t (&occluded)[kWords], FacetPair& pair);
     void* context;
     std::uint64_t texel_pairs;  ///< triangle-texel pairs
     std::uint64_t evaluations;  ///< of a triangle and a pixel
@@ -70,7 +71,8 @@ struct Answers {
 
 /// Removes from `mask` the samples where the form, of the place in the square, is negative. Places nearer to 0 than
 /// `error` are looked at in double.
-void mask_half_plane(const Samples& samples, const LinearForm& form, double error, std::uint32_t (&mask)[kWords]);
+using MaskHalfPlane = void (*)(const Samples& samples, const LinearForm& form, double error,
+                               std::uint32_t (&mask)[kWords]);
 
 /// Draws the triangles over rows [row_begin, row_end) of the texels. A pair belongs to one caller.
 using DrawTriangles = void (*)(const CasterTriangle* triangles, const std::uint32_t* order, std::size_t count,
@@ -79,12 +81,15 @@ using DrawTriangles = void (*)(const CasterTriangle* triangles, const std::uint3
 
 void draw_triangles_base(const CasterTriangle*, const std::uint32_t*, std::size_t, int, int, const PairTexels&,
                          const Samples&, Answers&);
+void mask_half_plane_base(const Samples&, const LinearForm&, double, std::uint32_t (&)[kWords]);
 #if defined(__x86_64__)
 void draw_triangles_avx2(const CasterTriangle*, const std::uint32_t*, std::size_t, int, int, const PairTexels&,
                          const Samples&, Answers&);
+void mask_half_plane_avx2(const Samples&, const LinearForm&, double, std::uint32_t (&)[kWords]);
 #endif
 
 /// The best that this processor runs.
 DrawTriangles choose_draw_triangles();
+MaskHalfPlane choose_mask_half_plane();
 
 }  // namespace shadow_layers::facet_kernel

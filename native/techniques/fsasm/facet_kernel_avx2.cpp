@@ -12,6 +12,10 @@ using Arch = xsimd::fma3<xsimd::avx2>;
 
 namespace shadow_layers::facet_kernel {
 
+void mask_half_plane_avx2(const Samples& samples, const LinearForm& form, double error, std::uint32_t (&mask)[kWords]) {
+    cut_half_plane(samples, form.at_origin, form.by_x, form.by_y, error, mask);
+}
+
 void draw_triangles_avx2(const CasterTriangle* triangles, const std::uint32_t* order, std::size_t count, int row_begin,
                          int row_end, const PairTexels& texels, const Samples& samples, Answers& answers) {
     draw_all(triangles, order, count, row_begin, row_end, texels, samples, answers);

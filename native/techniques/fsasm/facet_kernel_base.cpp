@@ -11,7 +11,7 @@ using Arch = xsimd::default_arch;
 
 namespace shadow_layers::facet_kernel {
 
-void mask_half_plane(const Samples& samples, const LinearForm& form, double error, std::uint32_t (&mask)[kWords]) {
+void mask_half_plane_base(const Samples& samples, const LinearForm& form, double error, std::uint32_t (&mask)[kWords]) {
     cut_half_plane(samples, form.at_origin, form.by_x, form.by_y, error, mask);
 }
 
@@ -25,6 +25,13 @@ DrawTriangles choose_draw_triangles() {
     if (xsimd::available_architectures().fma3_avx2) return draw_triangles_avx2;
 #endif
     return draw_triangles_base;
+}
+
+MaskHalfPlane choose_mask_half_plane() {
+#if defined(__x86_64__)
+    if (xsimd::available_architectures().fma3_avx2) return mask_half_plane_avx2;
+#endif
+    return mask_half_plane_base;
 }
 
 }  // namespace shadow_layers::facet_kernel

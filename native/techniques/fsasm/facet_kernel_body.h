@@ -24,29 +24,34 @@ static_assert(kLanes <= kBitsAtOnce);
 constexpr double kFloatError = 1.0 / 2097152.0;  // 2^-21
 inline double magnitude(double value) { return value < 0 ? -value : value; }
 
-inline void add_form(const LinearForm& form, const LightFacet& f, int i, Conditions& c) {
-    c.at[i] = form.at_origin * f.at[3] + form.by_x * f.at[0] + form.by_y * f.at[1];
-    c.by_x[i] = form.at_origin * f.by_x[3] + form.by_x * f.by_x[0] + form.by_y * f.by_x[1];
-    c.by_y[i] = form.at_origin * f.by_y[3] + form.by_x * f.by_y[0] + form.by_y * f.by_y[1];
+/// A caster's edges and plane side by side, for SIMD over the four.
+struct CasterForms {
+    double at[4], by_x[4], by_y[4], error[4];
+};
+
+inline void make_forms(const CasterTriangle& t, CasterForms& forms) {
+    for (int i = 0; i < 4; ++i) {
+        const LinearForm& form = i < 3 ? t.edges[i] : t.depth;
+        forms.at[i] = form.at_origin;
+        forms.by_x[i] = form.by_x;
+        forms.by_y[i] = form.by_y;
+        forms.error[i] = i < 3 ? t.edge_error[i] : t.depth_error;
+    }
 }
 
 /// False if the triangle shadows no place of the square.
-inline bool make_conditions(const CasterTriangle& t, const LightFacet& f, Conditions& c) {
-    for (int i = 0; i < 3; ++i) {
-        add_form(t.edges[i], f, i, c);
-        c.error[i] = t.edge_error[i] * f.extent;
-    }
-    add_form(t.depth, f, 3, c);
-    c.at[3] -= f.at[2];
-    c.by_x[3] -= f.by_x[2];
-    c.by_y[3] -= f.by_y[2];
-    c.error[3] = t.depth_error * f.extent + 1e-14 * f.depth_extent;
-    bool may_hit = true;
+inline bool make_conditions(const CasterForms& t, const LightFacet& f, Conditions& c) {
+    constexpr double is_depth[4] = {0, 0, 0, 1};  // the receiver's own depth counts against the plane's
+    double most[4];
     for (int i = 0; i < 4; ++i) {
+        c.at[i] = t.at[i] * f.at[3] + t.by_x[i] * f.at[0] + t.by_y[i] * f.at[1] - is_depth[i] * f.at[2];
+        c.by_x[i] = t.at[i] * f.by_x[3] + t.by_x[i] * f.by_x[0] + t.by_y[i] * f.by_x[1] - is_depth[i] * f.by_x[2];
+        c.by_y[i] = t.at[i] * f.by_y[3] + t.by_x[i] * f.by_y[0] + t.by_y[i] * f.by_y[1] - is_depth[i] * f.by_y[2];
+        c.error[i] = t.error[i] * f.extent + is_depth[i] * (1e-14 * f.depth_extent);
         c.reach[i] = 0.5 * (magnitude(c.by_x[i]) + magnitude(c.by_y[i]));
-        may_hit = may_hit && c.at[i] + c.reach[i] + c.error[i] >= 0;
+        most[i] = c.at[i] + c.reach[i] + c.error[i];
     }
-    return may_hit;
+    return most[0] >= 0 && most[1] >= 0 && most[2] >= 0 && most[3] >= 0;
 }
 
 /// Samples that float can't tell, in double.
@@ -88,20 +93,31 @@ inline void cut_half_plane(const Samples& s, double at, double by_x, double by_y
     }
 }
 
-inline void test_pair(const CasterTriangle& t, const LightFacet& f, const Samples& s, FacetPair& pair,
-                      Answers& answers) {
+inline bool is_dark(const LightFacet& f, const FacetPair& pair) {
+    std::uint32_t lit = 0;
+    for (int word = 0; word < kWords; ++word) lit |= f.in_view[word] & ~pair.occluded[word];
+    return lit == 0;
+}
+
+inline void test_pair(const CasterTriangle& t, const CasterForms& forms, const LightFacet& f, const Samples& s,
+                      FacetPair& pair, Answers& answers) {
     if (f.instance == t.instance && f.triangle == t.triangle) return;
+    // With several views the validity mask weighs them, so that it is made whole.
+    if (f.is_alone && is_dark(f, pair)) return;
     ++answers.evaluations;
     Conditions c;
-    if (!make_conditions(t, f, c)) return;
-    if (c.at[3] - c.reach[3] - c.error[3] <= f.near) {
+    if (!make_conditions(forms, f, c)) return;
+    const bool is_near = c.at[3] - c.reach[3] - c.error[3] <= f.near;
+    // Not a touch above the facet: as at a convex edge.
+    if (is_near && c.at[3] + c.reach[3] <= c.error[3]) return;
+    std::uint32_t mask[kWords] = {f.in_view[0], f.in_view[1], f.in_view[2], f.in_view[3]};
+    for (int i = 0; i < 4; ++i)
+        if (c.at[i] - c.reach[i] - c.error[i] < 0) cut_half_plane(s, c.at[i], c.by_x[i], c.by_y[i], c.error[i], mask);
+    if (is_near) {
         ++answers.contacts;
-        answers.settle(answers.context, t, f, c, pair);
+        answers.settle(answers.context, t, f, c, mask, pair);
         return;
     }
-    std::uint32_t mask[kWords] = {f.in_view[0], f.in_view[1], f.in_view[2], f.in_view[3]};
-    for (int i = 0; i < 3; ++i)
-        if (c.at[i] - c.reach[i] - c.error[i] < 0) cut_half_plane(s, c.at[i], c.by_x[i], c.by_y[i], c.error[i], mask);
     for (int word = 0; word < kWords; ++word) pair.occluded[word] |= mask[word];
 }
 
@@ -118,6 +134,8 @@ inline bool may_touch(const CasterTriangle& t, double x, double y, double half) 
 inline void draw_triangle(const CasterTriangle& t, int row_begin, int row_end, const PairTexels& texels,
                           const Samples& samples, Answers& answers) {
     const int from = t.row_begin > row_begin ? t.row_begin : row_begin, to = t.row_end < row_end ? t.row_end : row_end;
+    CasterForms forms;
+    make_forms(t, forms);
     for (int row = from; row < to; ++row) {
         const double y = (2 * row + 1) * texels.half_size - 1;
         for (int column = t.column_begin; column < t.column_end; ++column) {
@@ -128,7 +146,7 @@ inline void draw_triangle(const CasterTriangle& t, int row_begin, int row_end, c
             ++answers.texel_pairs;
             FacetPair* pairs = texels.pairs + texels.first[texel];
             for (std::uint32_t i = 0; i < texels.count[texel]; ++i)
-                test_pair(t, texels.facets[pairs[i].light_facet], samples, pairs[i], answers);
+                test_pair(t, forms, texels.facets[pairs[i].light_facet], samples, pairs[i], answers);
         }
     }
 }

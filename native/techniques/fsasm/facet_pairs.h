@@ -16,7 +16,9 @@ namespace shadow_layers {
 struct SilhouetteFacet {
     std::uint32_t pixel = 0;
     std::uint32_t texels = 0;  ///< of the rectangles that it covers, over all views
+    int view_count = 0;        ///< views that it reaches into
     SquareForm rel;
+    glm::dvec3 normal{0.0};       ///< unit, of its plane
     bool is_turned_away = false;  ///< from the light: dark inside the cone whatever the casters do
     SampleMask outside;           ///< beyond the light's cone: lit
     SampleMask in_view;           ///< inside the cone, and held by a view
@@ -25,8 +27,7 @@ struct SilhouetteFacet {
 
 /// Pixels whose facet covers a silhouette texel ([Pan09] 3.3), in the order of pixels. Also those that the rim of the
 /// light's cone cuts, and those beside a pixel of other `visibility` (of the pixels' centres): no silhouette marks the
-/// border where a caster passes through the receiver. `masks`: one per view. Pixels whose whole surrounding lies on one
-/// triangle are judged by the places of their neighbours; the others by their own facet.
+/// border where a caster passes through the receiver. `masks`: one per view.
 std::vector<SilhouetteFacet> find_silhouette_facets(const Frame& frame, const Light& light,
                                                     const LightPosition& position,
                                                     std::span<const SilhouetteMask> masks,

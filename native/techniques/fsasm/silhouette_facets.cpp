@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <glm/gtc/matrix_transform.hpp>
+#include <limits>
 
 #include "lights/facing.h"
 #include "techniques/fsasm/facet_pairs.h"
@@ -11,15 +12,24 @@ namespace shadow_layers {
 namespace {
 
 constexpr std::size_t kPixelBlock = 1 << 13;
-// Places are kept in float: in the largest map this many texels are more than they are rounded.
-constexpr float kPlaceMargin = 1.0f / 128;
+// A rectangle is widened by so many texels, far more than a place is rounded.
+constexpr double kPlaceMargin = 1.0 / 128;
 
-/// A pixel's centre in the map of the view that holds it.
-struct Place {
-    float x, y;
-    std::int8_t view = -1;  ///< -1: none holds it
-    Facing facing = Facing::Background;
+/// A view's clip space, and how fast its rows grow with the place.
+struct ClipSpace {
+    glm::dmat4 lc_from_rel;
+    double growth_x, growth_y, growth_w;
 };
+
+ClipSpace make_clip_space(const LightView& view, const glm::dvec3& origin_ws) {
+    ClipSpace space;
+    space.lc_from_rel = view.lc_from_ws * glm::translate(glm::dmat4(1.0), origin_ws);
+    const glm::dmat4 rows = glm::transpose(space.lc_from_rel);
+    space.growth_x = glm::length(glm::dvec3(rows[0]));
+    space.growth_y = glm::length(glm::dvec3(rows[1]));
+    space.growth_w = glm::length(glm::dvec3(rows[3]));
+    return space;
+}
 
 class FacetFinder {
 public:
@@ -31,16 +41,18 @@ public:
           visibility_(visibility),
           places_(places),
           rule_(frame, light, position),
+          rays_(frame.camera, frame.width, frame.height),
           maker_(frame) {
-        const glm::dmat4 ws_from_rel = glm::translate(glm::dmat4(1.0), frame.origin_ws);
-        for (const LightView& view : position.views) lc_from_rel_.push_back(view.lc_from_ws * ws_from_rel);
+        for (const LightView& view : position.views) spaces_.push_back(make_clip_space(view, frame.origin_ws));
         has_cone_ = position.cone_cos > -1;
+        origin_step_ = 0.5 * (glm::length(rays_.origin_dx) + glm::length(rays_.origin_dy));
+        direction_step_ = 0.5 * (glm::length(rays_.direction_dx) + glm::length(rays_.direction_dy));
     }
 
     std::vector<SilhouetteFacet> find(ThreadPool& threads) {
-        centres_.resize(frame_.pixel_count());
+        facing_.resize(frame_.pixel_count());
         threads.parallel_for(frame_.pixel_count(), kPixelBlock, [&](std::size_t begin, std::size_t end) {
-            for (std::size_t pixel = begin; pixel < end; ++pixel) centres_[pixel] = place(pixel);
+            for (std::size_t pixel = begin; pixel < end; ++pixel) facing_[pixel] = rule_.classify(pixel);
         });
         std::vector<std::vector<SilhouetteFacet>> blocks((frame_.pixel_count() + kPixelBlock - 1) / kPixelBlock);
         threads.parallel_for(frame_.pixel_count(), kPixelBlock, [&](std::size_t begin, std::size_t end) {
@@ -52,39 +64,70 @@ public:
     }
 
 private:
-    Place place(std::size_t pixel) const {
-        Place result{0, 0, -1, rule_.classify(pixel)};
-        if (result.facing != Facing::Lit) return result;
-        for (std::size_t view = 0; view < lc_from_rel_.size(); ++view) {
-            const glm::dvec4 lc = lc_from_rel_[view] * glm::dvec4(frame_.positions_rel[pixel], 1.0);
-            if (!(lc.w > 0 && std::abs(lc.x) <= lc.w && std::abs(lc.y) <= lc.w)) continue;
-            const double texels = 0.5 * position_.views[view].size_texels;
-            result.x = float((lc.x / lc.w + 1) * texels);
-            result.y = float((lc.y / lc.w + 1) * texels);
-            result.view = std::int8_t(view);
-            break;
-        }
-        return result;
-    }
-
     void judge(std::size_t pixel, std::vector<SilhouetteFacet>& found) const {
-        const Facing facing = centres_[pixel].facing;
+        const Facing facing = facing_[pixel];
         if (facing == Facing::Background || facing == Facing::Unlinked) return;
         if (facing != Facing::Lit && !has_cone_) return;
+        const double reach = bound_reach(pixel);
+        const bool may_be_cut = has_cone_ && is_cut_by_cone(frame_.positions_rel[pixel], reach);
         const bool is_border = facing == Facing::Lit && differs_from_neighbours(pixel);
-        bool is_silhouette = false;
-        if (!is_border && judge_by_neighbours(pixel, is_silhouette) && !is_silhouette) return;
-        const auto rel = maker_.make(pixel);
-        if (!rel) return;
+        if (!may_be_cut && !is_border && (facing != Facing::Lit || is_far_from_silhouettes(pixel, reach))) return;
+        const auto made = maker_.make(pixel);
+        if (!made) return;
         SilhouetteFacet facet;
         facet.pixel = std::uint32_t(pixel);
-        facet.rel = *rel;
+        facet.rel = made->rel;
+        facet.normal = made->normal;
         facet.is_turned_away = !is_turned_to_light(pixel);
-        const bool is_cut = has_cone_ && is_cut_by_cone(*rel);
-        if (is_cut) facet.outside = find_outside(*rel);
+        const bool is_cut = may_be_cut && is_cut_by_cone(glm::dvec3(facet.rel.at), find_reach(facet.rel));
+        if (is_cut) facet.outside = find_outside(facet.rel);
         if (!is_cut && facing != Facing::Lit) return;
         const bool covers = covers_silhouette(facet);
         if (covers || is_cut || is_border) found.push_back(facet);
+    }
+
+    /// At least the distance of the facet's corners from its centre, in scene units. A step of the ray aside moves its
+    /// meeting with the plane by that step and by what it is longer or shorter along the ray.
+    double bound_reach(std::size_t pixel) const {
+        const double x = double(pixel % std::size_t(frame_.width)) + 0.5;
+        const double y = double(pixel / std::size_t(frame_.width)) + 0.5;
+        const glm::dvec3 direction = rays_.direction_0 + x * rays_.direction_dx + y * rays_.direction_dy;
+        const glm::dvec3 origin = rays_.origin_0 + x * rays_.origin_dx + y * rays_.origin_dy;
+        const double length = glm::length(direction);
+        const double depth = glm::length(glm::dvec3(frame_.positions_rel[pixel]) - origin) / length;
+        const double along = std::abs(glm::dot(glm::dvec3(frame_.normals[pixel]), direction));
+        // Normals are rounded; half of a grazing plane's slope is more than that.
+        if (!(along > 2 * direction_step_ && along > 1e-4 * length)) return std::numeric_limits<double>::infinity();
+        const double step = depth * direction_step_ + origin_step_;
+        return 1.01 * step * (length + along) / (along - direction_step_);
+    }
+
+    /// Is every texel within that reach of the pixel's centre free of silhouettes?
+    bool is_far_from_silhouettes(std::size_t pixel, double reach) const {
+        for (std::size_t view = 0; view < spaces_.size(); ++view) {
+            const ClipSpace& space = spaces_[view];
+            const glm::dvec4 lc = space.lc_from_rel * glm::dvec4(frame_.positions_rel[pixel], 1.0);
+            const double least_w = lc.w - reach * space.growth_w;
+            if (!(least_w > 0)) {
+                if (lc.w + reach * space.growth_w > 0) return false;
+                continue;  // wholly behind the view
+            }
+            const double x = lc.x / lc.w, y = lc.y / lc.w, half = 0.5 * masks_[view].side();
+            const double reach_x = reach * (space.growth_x + std::abs(x) * space.growth_w) / least_w;
+            const double reach_y = reach * (space.growth_y + std::abs(y) * space.growth_w) / least_w;
+            TexelRect rect;
+            set_range((x - reach_x + 1) * half, (x + reach_x + 1) * half, masks_[view].side(), rect.column_begin,
+                      rect.column_end);
+            set_range((y - reach_y + 1) * half, (y + reach_y + 1) * half, masks_[view].side(), rect.row_begin,
+                      rect.row_end);
+            if (!rect.is_empty() && masks_[view].count(rect) > 0) return false;
+        }
+        return true;
+    }
+
+    static void set_range(double low, double high, int side, int& begin, int& end) {
+        begin = int(std::clamp(std::floor(low - kPlaceMargin), 0.0, double(side)));
+        end = int(std::clamp(std::floor(high + kPlaceMargin) + 1, 0.0, double(side)));
     }
 
     bool differs_from_neighbours(std::size_t pixel) const {
@@ -92,45 +135,18 @@ private:
         for (int v = std::max(y - 1, 0); v <= std::min(y + 1, frame_.height - 1); ++v)
             for (int u = std::max(x - 1, 0); u <= std::min(x + 1, width - 1); ++u) {
                 const std::size_t other = std::size_t(v) * std::size_t(width) + std::size_t(u);
-                if (centres_[other].facing == Facing::Lit && visibility_[other] != visibility_[pixel]) return true;
+                if (facing_[other] == Facing::Lit && visibility_[other] != visibility_[pixel]) return true;
             }
         return false;
-    }
-
-    /// False if the neighbours can't tell. The plane's places within the square lie between those of the 3 x 3 pixels.
-    bool judge_by_neighbours(std::size_t pixel, bool& is_silhouette) const {
-        const int width = frame_.width, x = int(pixel % std::size_t(width)), y = int(pixel / std::size_t(width));
-        if (x == 0 || y == 0 || x == width - 1 || y == frame_.height - 1) return false;
-        const Place& centre = centres_[pixel];
-        float low_x = centre.x, high_x = centre.x, low_y = centre.y, high_y = centre.y;
-        for (int j = -1; j <= 1; ++j)
-            for (int i = -1; i <= 1; ++i) {
-                const std::size_t other = pixel + std::size_t(j * width + i);
-                const Place& place = centres_[other];
-                if (place.facing != centre.facing || place.view != centre.view ||
-                    frame_.ids[other].triangle != frame_.ids[pixel].triangle ||
-                    frame_.ids[other].instance != frame_.ids[pixel].instance)
-                    return false;
-                low_x = std::min(low_x, place.x);
-                high_x = std::max(high_x, place.x);
-                low_y = std::min(low_y, place.y);
-                high_y = std::max(high_y, place.y);
-            }
-        if (centre.facing != Facing::Lit) return true;  // wholly outside the cone, or wholly turned away inside it
-        if (centre.view < 0) return false;
-        const SilhouetteMask& mask = masks_[std::size_t(centre.view)];
-        const auto clamp = [&](float place) { return std::clamp(int(std::floor(place)), 0, mask.side() - 1); };
-        is_silhouette = mask.count({clamp(low_x - kPlaceMargin), clamp(high_x + kPlaceMargin) + 1,
-                                    clamp(low_y - kPlaceMargin), clamp(high_y + kPlaceMargin) + 1}) > 0;
-        return true;
     }
 
     bool covers_silhouette(SilhouetteFacet& facet) const {
         bool covers = false;
         for (std::size_t view = 0; view < masks_.size(); ++view) {
-            const Footprint footprint(facet.rel.transformed(lc_from_rel_[view]), masks_[view].side());
+            const Footprint footprint(facet.rel.transformed(spaces_[view].lc_from_rel), masks_[view].side());
             const TexelRect& rect = footprint.rect();
             if (rect.is_empty()) continue;
+            ++facet.view_count;
             facet.texels +=
                 std::uint32_t(rect.column_end - rect.column_begin) * std::uint32_t(rect.row_end - rect.row_begin);
             covers = covers || masks_[view].count(rect) > 0;
@@ -147,12 +163,12 @@ private:
         return position_.position_ws - frame_.origin_ws - glm::dvec3(rel) / rel.w;
     }
 
-    /// The cone's surface comes nearer to the facet's centre than its corners are.
-    bool is_cut_by_cone(const SquareForm& rel) const {
-        const glm::dvec3 to_light = find_to_light(rel.at);
+    /// Does the cone's surface come nearer than that to the place?
+    bool is_cut_by_cone(const glm::dvec3& place_rel, double reach) const {
+        const glm::dvec3 to_light = find_to_light(glm::dvec4(place_rel, 1));
         const glm::dvec2 across(glm::dot(position_.axes_ws[0], to_light), glm::dot(position_.axes_ws[1], to_light));
         const double along = glm::dot(position_.axes_ws[2], to_light);
-        return std::abs(glm::length(across) * position_.cone_cos - along * position_.cone_sin) <= find_reach(rel);
+        return std::abs(glm::length(across) * position_.cone_cos - along * position_.cone_sin) <= reach;
     }
 
     SampleMask find_outside(const SquareForm& rel) const {
@@ -170,10 +186,12 @@ private:
     std::span<const float> visibility_;
     const SamplePlaces& places_;
     const FacingRule rule_;
+    const RayBasis rays_;
     const FacetMaker maker_;
     bool has_cone_ = false;
-    std::vector<glm::dmat4> lc_from_rel_;
-    std::vector<Place> centres_;
+    double origin_step_, direction_step_;  ///< of a ray, from a pixel's centre to its corner
+    std::vector<ClipSpace> spaces_;
+    std::vector<Facing> facing_;
 };
 
 }  // namespace
