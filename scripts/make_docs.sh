@@ -22,13 +22,13 @@ say "the table of techniques"
 /usr/bin/python3 "$root/scripts/make_technique_table.py" "$work/info.json"
 mapfile -t techniques < <(technique_ids "$work/info.json")
 
-for scene in box jenga hall fence studio city knot wall door blades; do
+for scene in box jenga hall fence studio city knot wall door blades bumpy; do
     say "picture of scene $scene"
     make_scene $scene
     batch "$work/$scene.blend" render --samples 16 --out "$work/$scene"
 done
 convert "$work/studio/combined.png" -quality 92 "$images/studio.jpg"
-montage "$work"/{box,jenga,hall,fence,studio,city,knot,wall,door,blades}/combined.png -resize 384x216 -tile 4x3 -geometry +4+4 -background '#8a8f98' \
+montage "$work"/{box,jenga,hall,fence,studio,city,knot,wall,door,blades,bumpy}/combined.png -resize 384x216 -tile 4x3 -geometry +4+4 -background '#8a8f98' \
     -quality 90 "$images/scenes.jpg"
 
 # The truth that the technique names, layer and difference of a part of the tower's shadow, twice as large, from a coarse map.

@@ -20,6 +20,7 @@ kScenes = {
     "wall": (41_000, 42_000, {"SPOT"}),
     "door": (37_000, 39_000, {"SPOT"}),
     "blades": (218, 218, {"SUN"}),
+    "bumpy": (961_752, 961_752, {"SUN"}),
 }
 
 
@@ -124,6 +125,47 @@ def test_the_walls_shadow_meets_the_statues(open_scene):
     for name in ("Floor", "Statue"):
         share = lit[seen == names.index(name)].mean()
         assert 0.1 < share < 0.9, name
+
+
+@pytest.mark.parametrize(("size", "small"), [((1280, 720), 0.8), ((800, 600), 0.99)])
+def test_bumpy_has_triangles_smaller_than_pixels(open_scene, size, small):
+    """What the scene is for: most cover less than a pixel, and the nearest lie within 4 x 4."""
+    scene = open_scene("bumpy")
+    mesh, camera = bpy.data.meshes["Field"], scene.camera
+    place = np.empty(3 * len(mesh.vertices), dtype=np.float32)
+    mesh.vertices.foreach_get("co", place)
+    corners = np.empty(len(mesh.loops), dtype=np.int32)
+    mesh.loops.foreach_get("vertex_index", corners)
+    quads = corners.reshape(-1, 4)
+    triangles = np.concatenate([quads[:, [0, 1, 2]], quads[:, [0, 2, 3]]])
+    matrix = np.array(camera.matrix_world.inverted())
+    points = place.reshape(-1, 3).astype(np.float64) @ matrix[:3, :3].T + matrix[:3, 3]
+    assert points[:, 2].max() < 0
+    wide = size[0] / (2 * math.tan(camera.data.angle / 2))  # pixels at distance 1
+    pixels = points[:, :2] / -points[:, 2:] * wide
+    seen = (np.abs(pixels) < np.array(size) / 2).all(axis=1)[triangles].any(axis=1)
+    across = pixels[triangles[seen]]
+    a, b = (across[:, k] - across[:, 0] for k in (1, 2))
+    areas = 0.5 * np.abs(a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0])
+    assert (areas < 1).mean() > small
+    assert (across.max(axis=1) - across.min(axis=1)).max() < 4
+    assert seen.mean() > 0.9
+
+
+@pytest.mark.parametrize("options", [(), ("--light", "spot")])
+def test_bumpy_without_bumps_is_flat_and_holds_the_same_shadow(open_scene, options):
+    frame = render_small(open_scene("bumpy", "--bumps", "0", "--hide-grille", *options), 320, aux=("position",))
+    seen = frame.coverage == 1  # by all samples of the pixel; positions are the first one's
+    height = frame.aux["position"][..., 2][seen] + frame.camera_position[2]
+    assert np.abs(height).max() < 1e-5
+    assert 0.02 < (frame.layers[0].channels["visibility"][seen] < 0.5).mean() < 0.4
+
+
+def test_bumpy_refuses_heights_that_are_none(run_script, project_root, tmp_path):
+    out = tmp_path / "out.blend"
+    done = run_script(project_root / "test_scenes" / "bumpy.py", [str(out), "--bumps", "-1"], check=False)
+    assert done.returncode == 1 and "--bumps -1" in done.stdout + done.stderr
+    assert not out.exists()
 
 
 def test_city_shares_its_meshes(open_scene):
