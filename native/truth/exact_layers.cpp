@@ -10,7 +10,7 @@
 #include "lights/light_shape.h"
 #include "lights/light_views.h"
 #include "shadow_layers/error.h"
-#include "truth/pixel_samples.h"
+#include "truth/pixel_means.h"
 #include "truth/ray_oracle.h"
 
 namespace shadow_layers::truth {
@@ -219,8 +219,9 @@ struct ExactLayers::Impl {
     }
 
     std::vector<float> compute_pixel(const Light& light) {
-        return compute_pixel_means(oracle, frame.scene, frame.camera, frame.width, frame.height, light,
-                                   sample_light_shape(light, 1).front(), pool, [&] { check_cancelled(); });
+        if (!tree) tree.emplace(oracle, *frame.scene);
+        return compute_pixel_means(oracle, *tree, frame, light, sample_light_shape(light, 1).front(), pool,
+                                   [&] { check_cancelled(); });
     }
 
     void check_cancelled() const {
@@ -231,6 +232,7 @@ struct ExactLayers::Impl {
     mutable ThreadPool pool;
     const std::atomic<bool>& cancelled;
     Frame frame;
+    std::optional<TriangleTree> tree;  // made when first asked for
 };
 
 ExactLayers::ExactLayers(std::shared_ptr<const Scene> scene, const Camera& camera, int width, int height, int threads,

@@ -33,7 +33,8 @@ struct Query {
     const Light* light = nullptr;
     PixelIds self;
     Corners self_corners;
-    bool has_self = false;
+    bool has_self = false, leaves_plane_out = false;
+    glm::dvec3 self_normal{0.0};
     double length = 1, ahead = 0;  ///< of the direction; where the float ray starts, along it
     std::optional<RayHit> first;
 };
@@ -59,6 +60,7 @@ struct RayOracle::Impl {
         const auto hit = intersect_triangle(query.origin, query.direction, triangle.corners);
         if (!hit || !(*hit > query.near && *hit < query.far)) return false;
         if (query.has_self && is_neighbour_in_plane(query.self_corners, triangle.corners)) return false;
+        if (query.leaves_plane_out && lies_in_plane(triangle.corners, query.origin, query.self_normal)) return false;
         distance = *hit;
         return true;
     }
@@ -177,7 +179,7 @@ std::optional<RayHit> RayOracle::find_first(const glm::dvec3& origin_ws, const g
 }
 
 bool RayOracle::is_occluded(const glm::dvec3& receiver_ws, const PixelIds& receiver, const Light& light,
-                            const LightPosition& position) const {
+                            const LightPosition& position, OwnSurface own) const {
     Query query;
     rtcInitIntersectContext(&query.context);
     query.origin = receiver_ws - impl_->origin;
@@ -191,6 +193,9 @@ bool RayOracle::is_occluded(const glm::dvec3& receiver_ws, const PixelIds& recei
     query.self = receiver;
     query.self_corners = get_corners(receiver);
     query.has_self = true;
+    query.leaves_plane_out = own == OwnSurface::WholePlane;
+    const Corners& c = query.self_corners;
+    query.self_normal = glm::normalize(glm::cross(c[1] - c[0], c[2] - c[0]));
     RTCRay ray = impl_->make_ray(query);
     rtcOccluded1(impl_->embree, &query.context, &ray);
     return ray.tfar < 0;

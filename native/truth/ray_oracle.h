@@ -30,6 +30,9 @@ struct RayHit {
     double distance = 0;  ///< along the unscaled direction
 };
 
+/// What of its own surface casts no shadow on a receiver.
+enum class OwnSurface : std::uint8_t { Neighbours, WholePlane };
+
 class RayOracle {
 public:
     /// Holds all instances; positions are taken relative to the middle of the scene's bounds.
@@ -43,9 +46,10 @@ public:
                                      std::uint32_t flags) const;
 
     /// Is anything that casts for `light` strictly between the receiver and the light? Left out: the receiver's own
-    /// triangle and triangles in its plane that share an edge with it (by position).
+    /// triangle and triangles in its plane that share an edge with it (by position); or all that lie in its plane, for
+    /// a receiver somewhere on that.
     bool is_occluded(const glm::dvec3& receiver_ws, const PixelIds& receiver, const Light& light,
-                     const LightPosition& position) const;
+                     const LightPosition& position, OwnSurface own = OwnSurface::Neighbours) const;
 
     /// Where the ray meets the plane of the triangle, along its direction; nothing if it runs along the plane.
     std::optional<double> meet_plane(const PixelRay& ray, const PixelIds& ids) const;

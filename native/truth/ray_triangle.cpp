@@ -2,9 +2,15 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "truth/ray_triangle.h"
 
+#include <algorithm>
 #include <cmath>
 
 namespace shadow_layers::truth {
+namespace {
+
+constexpr double kInPlane = 1e-6;
+
+}  // namespace
 
 std::optional<double> intersect_triangle(const glm::dvec3& origin, const glm::dvec3& direction,
                                          const Corners& corners) {
@@ -23,6 +29,15 @@ std::optional<double> intersect_triangle(const glm::dvec3& origin, const glm::dv
     return glm::dot(a, normal) / along;
 }
 
+bool lies_in_plane(const Corners& corners, const glm::dvec3& point, const glm::dvec3& normal) {
+    double height = 0, reach = 0;
+    for (const glm::dvec3& corner : corners) {
+        height = std::max(height, std::abs(glm::dot(normal, corner - point)));
+        reach = std::max(reach, glm::length(corner - point));
+    }
+    return height <= kInPlane * reach;
+}
+
 bool is_neighbour_in_plane(const Corners& self, const Corners& other) {
     int shared = 0;
     glm::dvec3 apex = other[0];
@@ -36,8 +51,7 @@ bool is_neighbour_in_plane(const Corners& self, const Corners& other) {
     if (shared < 2) return false;
     const glm::dvec3 normal = glm::cross(self[1] - self[0], self[2] - self[0]);
     const glm::dvec3 reach = apex - self[0];
-    // Float corners of a flat face lie off its plane by some 1e-7 of their distance.
-    return std::abs(glm::dot(normal, reach)) <= 1e-6 * glm::length(normal) * glm::length(reach);
+    return std::abs(glm::dot(normal, reach)) <= kInPlane * glm::length(normal) * glm::length(reach);
 }
 
 }  // namespace shadow_layers::truth
