@@ -41,6 +41,7 @@ MEASURES = (
     MeasureInfo("signed_bias", "Bias", "visibility", "mean of s - t; positive: the layer is too light"),
     MeasureInfo("mae", "MAE", "visibility", "mean of |s - t|"),
     MeasureInfo("rmse", "RMSE", "visibility", "root of the mean of (s - t) squared"),
+    MeasureInfo("border_mae", "Border MAE", "visibility", "mean of |s - t| where t is neither 0 nor 1"),
     MeasureInfo(
         "p99_border_distance_px",
         "P99 distance",
@@ -148,6 +149,7 @@ def measure_layer(
         "signed_bias": float(error.mean()),
         "mae": float(np.abs(error).mean()),
         "rmse": float(np.sqrt(np.square(error).mean())),
+        "border_mae": compute_border_mae(error, truth[comparable]),
         "p99_border_distance_px": compute_p99(np.concatenate(distances)),
         "acne_fraction": int(counts[ACNE]) / pixel_count,
         "leak_fraction": int(counts[LEAK]) / pixel_count,
@@ -176,6 +178,12 @@ def mark_faults(
     far = np.isinf(distance) | (distance > np.maximum(FAR_PX, FAR_TEXELS * texel_px))
     faults[rows, columns] = np.where(far, kinds[1], kinds[0])
     return distance
+
+
+def compute_border_mae(error: NDArray[np.floating], truth: NDArray[np.bool_] | NDArray[np.floating]) -> float | None:
+    """Mean size of the errors where the truth is neither full light nor full shadow, (n,) each; None: nowhere."""
+    between = (truth > 0) & (truth < 1)
+    return float(np.abs(error[between]).mean()) if between.any() else None
 
 
 def compute_leak_weight(

@@ -24,13 +24,20 @@ void ErrorSum::add(const std::vector<float>& layer, const std::vector<float>& tr
         absolute_ += std::abs(difference);
         squared_ += difference * difference;
         signed_ += difference;
+        border_.add(double(layer[pixel]), double(truth[pixel]));
     }
 }
 
 LayerErrors ErrorSum::compute() const {
     if (pixels_ == 0) return {};
     const double count = double(pixels_);
-    return {pixels_, absolute_ / count, std::sqrt(squared_ / count), signed_ / count, double(wrong_) / count};
+    return {.pixels = pixels_,
+            .mean_absolute = absolute_ / count,
+            .root_mean_square = std::sqrt(squared_ / count),
+            .bias = signed_ / count,
+            .wrong_fraction = double(wrong_) / count,
+            .border_pixels = border_.pixels(),
+            .border_mean_absolute = border_.compute_mean()};
 }
 
 #ifdef SHADOW_LAYERS_EMBREE

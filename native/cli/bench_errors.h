@@ -7,6 +7,7 @@
 
 #include "cli/bench_rows.h"
 #include "shadow_layers/session.h"
+#include "truth/border_error.h"
 
 namespace shadow_layers::cli {
 
@@ -28,6 +29,7 @@ public:
 private:
     std::size_t pixels_ = 0, wrong_ = 0;
     double absolute_ = 0, squared_ = 0, signed_ = 0;
+    truth::BorderError border_;
 };
 
 }  // namespace shadow_layers::cli

@@ -54,7 +54,9 @@ json errors_to_json(const LayerErrors& errors) {
             {"mean_absolute", errors.mean_absolute},
             {"root_mean_square", errors.root_mean_square},
             {"bias", errors.bias},
-            {"wrong_fraction", errors.wrong_fraction}};
+            {"wrong_fraction", errors.wrong_fraction},
+            {"border_pixels", errors.border_pixels},
+            {"border_mean_absolute", errors.border_pixels > 0 ? json(errors.border_mean_absolute) : json()}};
 }
 
 json row_errors_to_json(const RowErrors& errors) {
@@ -81,6 +83,8 @@ void print_row(const BenchRow& row, const BenchRow* reference) {
     if (row.errors) {
         std::printf("  %8.4f %% of %s, %8.4f %% wrong", 100 * row.errors->own.mean_absolute,
                     get_name(row.errors->truth.kind), 100 * row.errors->hard.wrong_fraction);
+        if (row.errors->truth.kind == TruthKind::Pixel)
+            std::printf(", border %.5f", row.errors->own.border_mean_absolute);
     }
     std::printf("\n");
     for (const auto& [stage, times] : row.cpu_ms) {

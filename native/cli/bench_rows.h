@@ -21,6 +21,8 @@ struct LayerErrors {
     std::size_t pixels = 0;
     double mean_absolute = 0, root_mean_square = 0, bias = 0;  ///< of layer minus truth; bias > 0: too light
     double wrong_fraction = 0;                                 ///< of pixels on the wrong side of one half
+    std::size_t border_pixels = 0;                             ///< with a truth between 0 and 1
+    double border_mean_absolute = 0;                           ///< over these
 };
 
 /// The errors of a row: against the light's hard mask, and against what the technique itself approximates.

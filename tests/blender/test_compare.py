@@ -195,6 +195,22 @@ def test_linked_lights(compare, blend, tmp_path):
         assert record["measures"]["misclassified_fraction"] < 0.005
 
 
+def test_antialiased_layers_meet_the_pixel_truth(compare):
+    """afsm names it for several samples; against it they are worth more than one, and the border lies where it does."""
+    settings = ("--techniques", "afsm", "--lights", "Point", "--resolution", "160x90", "--truth-samples", 256)
+    one = compare(*settings, "--truth", "named,pixel")["records"]
+    many = compare(*settings, "--set", "afsm.samples=64")["records"]
+    assert [record["truth"]["kind"] for record in (*one, *many)] == ["hard", "pixel", "pixel"]
+    for record in (one[1], many[0]):
+        assert record["truth"]["samples"] == 256 and record["truth_ms"]["total"] > 0
+        assert abs(record["measures"]["border_bias_px"]) < 0.05
+        assert abs(record["measures"]["signed_bias"]) < 3 * record["truth"]["standard_error"]["bias"] + 1e-3
+    assert one[0]["measures"]["border_mae"] is None
+    assert many[0]["measures"]["border_mae"] < 0.025
+    assert one[1]["measures"]["border_mae"] > 0.15
+    assert many[0]["measures"]["staircase_px"] < 0.1
+
+
 def test_each_layer_meets_the_truths_asked_for(compare, module, monkeypatch, tmp_path):
     """pcf names the filtered truth, sm the hard one; soft is asked for of both, and is one picture for both."""
     arguments = ("--techniques", "sm,pcf", "--lights", "Area", "--resolution", "160x90", "--map-size", 256, "--set",

@@ -72,6 +72,8 @@ def test_truths_of_a_comparison():
     got = parse("compare", "--truth", "soft, named,soft", "--truth-samples", "256")
     assert (got.truth, got.truth_samples) == (["soft", "named"], 256)
     assert (parse("compare").truth, parse("compare").truth_samples) == (["named"], 64)
+    every = ["hard", "filtered", "soft", "pixel"]
+    assert parse("compare", "--truth", ",".join(every)).truth == every
 
 
 def test_all_options_of_a_render():

@@ -56,8 +56,9 @@ def test_right_layer_has_no_error():
     truth[:, 4:] = True
     result = measure(truth, truth)
     assert result.pixel_count == 64
-    assert all(value == 0.0 for name, value in result.values.items() if name not in BORDER_VALUES)
-    assert all(result.values[name] is None for name in BORDER_VALUES)  # no border is given
+    undefined = (*BORDER_VALUES, "border_mae")  # no border is given, and a hard truth has no pixels between
+    assert all(value == 0.0 for name, value in result.values.items() if name not in undefined)
+    assert all(result.values[name] is None for name in undefined)
     assert not result.faults.any()
 
 
@@ -106,6 +107,18 @@ def test_soft_values():
     assert values["mae"] == pytest.approx(1.5 / 4)
     assert values["rmse"] == pytest.approx(math.sqrt((2 * 0.0625 + 2 * 0.25) / 4))
     assert values["misclassified_fraction"] == 0.25  # one half counts as lit
+
+
+def test_border_mae_is_of_the_pixels_between_light_and_shadow():
+    truth = np.array([[1.0, 0.75, 0.25, 0.0, 0.5, 1e-4]], np.float32)
+    layer = np.array([[0.0, 0.5, 0.5, 1.0, 0.5, np.nan]], np.float32)
+    comparable = np.ones(truth.shape, bool)
+    values = measures.measure_layer(layer, truth, comparable).values
+    assert values["border_mae"] == pytest.approx((0.25 + 0.25 + 0 + 1) / 4)
+    comparable[0, 2:] = False
+    assert measures.measure_layer(layer, truth, comparable).values["border_mae"] == pytest.approx(0.25)
+    comparable[0, 1] = False
+    assert measures.measure_layer(layer, truth, comparable).values["border_mae"] is None
 
 
 def test_acne_is_speckle_far_from_shadow_and_leak_light_inside():
