@@ -202,14 +202,16 @@ def measure_export() -> Table:
 
 
 def measure_memory() -> Table:
-    table = Table("Memory over 200 animated frames in one process (MB)", ["what", "frame 10", "100", "200", "growth"])
     found = in_blender("memory", make_scene("studio", "studio"))
-    for key, what in (("resident", "process"), ("host_bytes", "core, host caches"), ("gpu_bytes", "core, GL objects")):
-        values = [value / 1e6 for value in found[key]]
-        settled, later = max(values[9:58]), max(values[152:])  # one whole period of the animation each
-        growth = later - settled
-        table.add(what, f"{values[9]:.1f}", f"{values[99]:.1f}", f"{values[199]:.1f}", f"{growth:+.1f}",
-                  good=growth <= (0.01 * settled if key == "resident" else 0))  # fmt: skip
+    held, count = found["held"], len(found["held"]["allocated"])
+    title = f"Memory over {count} animated frames in one process (MB); growth over {found['distance']} frames"
+    table = Table(title, ["what", "frame 10", "100", str(count), "growth", "bound"])
+    names = {"allocated": "process, allocated", "resident": "process, resident", "host": "core, host caches",
+             "gpu": "core, GL objects"}  # fmt: skip
+    for key, what in names.items():
+        values = [held[key][number - 1] / 1e6 for number in (10, 100, count)]
+        growth, bound = found["growth"][key] / 1e6, found["bounds"][key] / 1e6
+        table.add(what, *(f"{value:.1f}" for value in values), f"{growth:+.2f}", f"{bound:g}", good=growth <= bound)
     return table
 
 
