@@ -2,8 +2,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "frame/camera_window.h"
 
-#include "frame/frame.h"
-
 namespace shadow_layers {
 
 Camera crop_camera(const Camera& camera, int width, int height, const PixelRect& region, int overscan_px,
@@ -56,12 +54,6 @@ RayBasis::RayBasis(const Camera& camera, int width, int height) {
     direction_0 = camera.perspective ? corner - axes[2] : -axes[2];
     direction_dx = camera.perspective ? dx : zero;
     direction_dy = camera.perspective ? dy : zero;
-}
-
-Frame::Ray Frame::ray_at(double x_px, double y_px) const {
-    const RayBasis basis(camera, width, height);
-    return {basis.origin_0 + x_px * basis.origin_dx + y_px * basis.origin_dy,
-            basis.direction_0 + x_px * basis.direction_dx + y_px * basis.direction_dy};
 }
 
 }  // namespace shadow_layers

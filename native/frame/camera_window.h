@@ -22,9 +22,14 @@ glm::dmat4 clip_from_camera(const Camera& camera, double near_vs, double far_vs)
 /// Rays of a window of width x height pixels, camera axes in world space, origin at the camera. The direction has unit
 /// length along the view axis, so that a ray's parameter is the view depth, perspective or not.
 struct RayBasis {
-    glm::dvec3 origin_0, origin_dx, origin_dy;           ///< origin_rel = origin_0 + x * origin_dx + y * origin_dy
+    glm::dvec3 origin_0, origin_dx, origin_dy;           ///< origin_rel, linear in the place
     glm::dvec3 direction_0, direction_dx, direction_dy;  ///< likewise; x, y in pixels
     RayBasis(const Camera& camera, int width, int height);
+
+    glm::dvec3 origin_at(double x_px, double y_px) const { return origin_0 + x_px * origin_dx + y_px * origin_dy; }
+    glm::dvec3 direction_at(double x_px, double y_px) const {
+        return direction_0 + x_px * direction_dx + y_px * direction_dy;
+    }
 };
 
 }  // namespace shadow_layers

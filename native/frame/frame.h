@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <array>
 #include <glm/glm.hpp>
 #include <memory>
 #include <span>
@@ -54,6 +55,9 @@ struct Frame {
         glm::dvec3 origin_rel{0.0}, direction{0.0};
     };
     Ray ray_at(double x_px, double y_px) const;
+
+    /// Corners of a triangle in double, relative to origin_ws.
+    std::array<glm::dvec3, 3> get_corners_rel(const PixelIds& triangle_ids) const;
 };
 
 /// Frames of the same view at other sub-pixel places, for techniques that take many samples per pixel.

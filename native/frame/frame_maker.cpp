@@ -8,6 +8,7 @@
 #include "base/hash.h"
 #include "frame/camera_window.h"
 #include "frame/receivers.h"
+#include "frame/settle_ids.h"
 #include "shadow_layers/error.h"
 
 namespace shadow_layers {
@@ -150,6 +151,7 @@ std::shared_ptr<const Frame> FrameMaker::make(const glm::dvec2& offset_px) {
         scratch.visibility.emplace(engine_, frame->width, frame->height);
     scratch.visibility->draw(engine_, *view_.scene, frame->camera, instance_bounds_ws_, frame->ids);
     const auto timer = engine_.time_stage("frame_resolve");
+    settle_ids(engine_, *frame);
     scratch.position_texels.resize(frame->pixel_count());
     scratch.normal_texels.resize(frame->pixel_count());
     resolve_receivers(engine_.threads(), *frame, {scratch.position_texels, scratch.normal_texels});

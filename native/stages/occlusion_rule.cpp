@@ -44,23 +44,11 @@ OcclusionRule::OcclusionRule(const Frame& frame, const LightPosition& position)
       to_light_(position.to_light_ws),
       light_rel_(position.position_ws - frame.origin_ws) {}
 
-OcclusionRule::Corners OcclusionRule::get_corners(const PixelIds& ids) const {
-    const Instance& instance = frame_.scene->instances[ids.instance];
-    const Mesh& mesh = *frame_.scene->meshes[instance.mesh];
-    const glm::dmat3 linear(instance.world_from_object);
-    const glm::dvec3 offset = glm::dvec3(instance.world_from_object[3]) - frame_.origin_ws;
-    const glm::uvec3& triangle = mesh.triangles[ids.triangle];
-    return {linear * glm::dvec3(mesh.positions[triangle.x]) + offset,
-            linear * glm::dvec3(mesh.positions[triangle.y]) + offset,
-            linear * glm::dvec3(mesh.positions[triangle.z]) + offset};
-}
-
 glm::dvec3 OcclusionRule::find_receiver(std::size_t pixel) const {
     const double x = double(pixel % std::size_t(frame_.width)) + 0.5;
     const double y = double(pixel / std::size_t(frame_.width)) + 0.5;
-    const glm::dvec3 origin = rays_.origin_0 + x * rays_.origin_dx + y * rays_.origin_dy;
-    const glm::dvec3 direction = rays_.direction_0 + x * rays_.direction_dx + y * rays_.direction_dy;
-    const Corners corners = get_corners(frame_.ids[pixel]);
+    const glm::dvec3 origin = rays_.origin_at(x, y), direction = rays_.direction_at(x, y);
+    const std::array<glm::dvec3, 3> corners = frame_.get_corners_rel(frame_.ids[pixel]);
     const glm::dvec3 normal = glm::cross(corners[1] - corners[0], corners[2] - corners[0]);
     const glm::dvec3 rounded(frame_.positions_rel[pixel]);
     const double along = glm::dot(normal, direction);
@@ -73,7 +61,7 @@ glm::dvec3 OcclusionRule::find_receiver(std::size_t pixel) const {
 
 bool OcclusionRule::is_blocked(const glm::dvec3& receiver_rel, const PixelIds& receiver, const PixelIds& caster) const {
     if (receiver.instance == caster.instance && receiver.triangle == caster.triangle) return false;
-    const Corners corners = get_corners(caster);
+    const std::array<glm::dvec3, 3> corners = frame_.get_corners_rel(caster);
     const glm::dvec3 to_light = directional_ ? to_light_ : light_rel_ - receiver_rel;
     const glm::dvec3 a = corners[0] - receiver_rel, b = corners[1] - receiver_rel, c = corners[2] - receiver_rel;
     const double u = compute_edge_volume(to_light, b, c), v = compute_edge_volume(to_light, c, a),
@@ -85,7 +73,7 @@ bool OcclusionRule::is_blocked(const glm::dvec3& receiver_rel, const PixelIds& r
     if (along == 0) return false;
     const double distance = glm::dot(a, normal) / along;
     if (!(distance > 0) || (!directional_ && !(distance < 1))) return false;
-    return !is_neighbour_in_plane(get_corners(receiver), corners);
+    return !is_neighbour_in_plane(frame_.get_corners_rel(receiver), corners);
 }
 
 double OcclusionRule::find_corner_rounding(const PixelIds& ids) const {
@@ -101,7 +89,7 @@ double OcclusionRule::find_corner_rounding(const PixelIds& ids) const {
     return kCornerRounding * largest;
 }
 
-bool lies_in_plane(const glm::dvec3& point, const glm::dvec3& unit_normal, const OcclusionRule::Corners& corners,
+bool lies_in_plane(const glm::dvec3& point, const glm::dvec3& unit_normal, const std::array<glm::dvec3, 3>& corners,
                    double rounding) {
     for (const glm::dvec3& corner : corners) {
         const glm::dvec3 reach = corner - point;

@@ -2,7 +2,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include <array>
 #include <glm/glm.hpp>
 
 #include "frame/camera_window.h"
@@ -33,9 +32,6 @@ public:
     /// `receiver_rel` lies on triangle `receiver`.
     bool is_blocked(const glm::dvec3& receiver_rel, const PixelIds& receiver, const PixelIds& caster) const;
 
-    /// Corners of a triangle relative to the frame's origin.
-    using Corners = std::array<glm::dvec3, 3>;
-    Corners get_corners(const PixelIds& ids) const;
     /// How far a triangle's corners may be off because a mesh keeps them in float.
     double find_corner_rounding(const PixelIds& ids) const;
 
@@ -49,7 +45,7 @@ private:
 /// Does a triangle lie in the plane through a point, as far as the rounding of its corners lets one tell? It does not
 /// shadow places of that plane then. For techniques that look at a receiver's plane beyond its own triangle, where more
 /// than the neighbours may be flat. `rounding`: of the corners, in scene units.
-bool lies_in_plane(const glm::dvec3& point, const glm::dvec3& unit_normal, const OcclusionRule::Corners& corners,
+bool lies_in_plane(const glm::dvec3& point, const glm::dvec3& unit_normal, const std::array<glm::dvec3, 3>& corners,
                    double rounding);
 
 }  // namespace shadow_layers

@@ -3,6 +3,8 @@
 // The exact technique against rays: no pixel may differ, whatever the scene, the light and the number of tiles.
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 #include "support/ray_comparison.h"
 #include "support/soup_scene.h"
 
@@ -77,6 +79,24 @@ TEST_F(Exact, EqualsRaysOnModels) {
                 << name;
     }
     if (tried == 0) GTEST_SKIP() << "no ../shared/models";
+}
+
+/// The raster's grid gives some pixels to the triangle next to the one that their ray meets. In a hollow their points
+/// would lie beneath that one, and in its shadow.
+TEST_F(Exact, EqualsRaysThatFindTheTrianglesThemselves) {
+    for (unsigned seed = 1; seed <= 3; ++seed) {
+        SceneView view;
+        view.width = 640, view.height = 360;
+        view.place(view.add("plane", make_plane(12)));
+        view.place(view.add("ball", make_rough_ball(seed, 1, 0.02f)), placement({0, 0, 1.1}));
+        view.camera = make_camera({2.4, -2.6, 2.0}, {0, 0, 1}, view.width, view.height);
+        for (const LightKind kind : kAllLightKinds) {
+            const RayComparison found =
+                compare_with_eye_rays(runner_, view, make_light(kind, {2, 1.5, 4}, {0, 0, 0.5}, 80), "exact");
+            EXPECT_GE(std::min(found.lit, found.shadowed), 2000);
+            EXPECT_EQ(found.different, 0) << "seed " << seed;
+        }
+    }
 }
 
 TEST_F(Exact, IsTheSameForAnyNumberOfThreads) {

@@ -3,6 +3,7 @@
 #pragma once
 // A technique against exact rays: pixel by pixel, or by what is wrong.
 
+#include <cmath>
 #include <string>
 #include <vector>
 
@@ -46,6 +47,31 @@ inline RayComparison compare_with_rays(TechniqueRunner& runner, SceneView view, 
     for (std::size_t pixel = 0; pixel < result.truth.size(); ++pixel) {
         result.different += result.run.visibility()[pixel] != result.truth[pixel];
         if (facing.classify(pixel) == Facing::Lit) ++(result.truth[pixel] > 0.5f ? result.lit : result.shadowed);
+    }
+    return result;
+}
+
+/// As compare_with_rays, but for the rays' own frame: which triangle a pixel sees is found anew in double, and not
+/// taken from the raster. Pixels where both see different surfaces (silhouettes, to a fraction of a pixel) are left
+/// out.
+inline RayComparison compare_with_eye_rays(TechniqueRunner& runner, SceneView view, const Light& light,
+                                           const std::string& technique, const ParameterValues& given = {}) {
+    view.scene->lights = {light};
+    RayComparison result;
+    result.run = runner.render(view, technique, given);
+    const Frame& frame = *result.run.frame;
+    const truth::RayOracle oracle(view.scene);
+    const Frame seen = oracle.make_frame(view.camera, view.width, view.height, &runner.engine().threads());
+    result.truth = oracle.compute_visibility(seen, light, result.run.positions.at(0), &runner.engine().threads());
+    const FacingRule facing(seen, light, result.run.positions[0]);
+    const double pixel_size = (view.camera.window.right - view.camera.window.left) / view.width;
+    for (std::size_t pixel = 0; pixel < result.truth.size(); ++pixel) {
+        if (!frame.coverage[pixel] || !seen.coverage[pixel] || facing.classify(pixel) != Facing::Lit) continue;
+        const glm::vec3& place = seen.positions_rel[pixel];
+        const float gap = std::abs(glm::dot(frame.positions_rel[pixel] - place, seen.normals[pixel]));
+        if (double(gap) > 0.05 * pixel_size * double(glm::length(place))) continue;
+        result.different += result.run.visibility()[pixel] != result.truth[pixel];
+        ++(result.truth[pixel] > 0.5f ? result.lit : result.shadowed);
     }
     return result;
 }

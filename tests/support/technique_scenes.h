@@ -108,6 +108,17 @@ inline MeshData make_sphere(float radius, int rings = 24, int segments = 48) {
     return data;
 }
 
+/// A ball whose vertices are moved in and out at random: small faces that meet in ridges and hollows.
+inline MeshData make_rough_ball(unsigned seed, float radius, float roughness, int rings = 60, int segments = 120) {
+    MeshData data = make_sphere(radius, rings, segments);
+    std::mt19937 random(seed);
+    std::uniform_real_distribution<float> spread(1 - roughness, 1 + roughness);
+    // All vertices at a pole are one place, and stay it.
+    for (std::size_t i = std::size_t(segments); i + std::size_t(segments) < data.positions.size(); ++i)
+        data.positions[i] *= spread(random);
+    return data;
+}
+
 /// A Wavefront file's positions and faces (fans); empty if there is no such file.
 inline std::optional<MeshData> load_obj(const std::string& path) {
     std::ifstream file(path);

@@ -55,8 +55,7 @@ std::optional<FacetMaker::Facet> FacetMaker::make(std::size_t pixel) const {
     const TrianglePlane plane = compute_triangle_plane(*frame_.scene, frame_.ids[pixel], frame_.camera);
     const double x = double(pixel % std::size_t(frame_.width)) + 0.5;
     const double y = double(pixel / std::size_t(frame_.width)) + 0.5;
-    const glm::dvec3 origin = rays_.origin_0 + x * rays_.origin_dx + y * rays_.origin_dy;
-    const glm::dvec3 direction = rays_.direction_0 + x * rays_.direction_dx + y * rays_.direction_dy;
+    const glm::dvec3 origin = rays_.origin_at(x, y), direction = rays_.direction_at(x, y);
     const glm::dvec3& n = plane.normal;
     const double along = glm::dot(n, direction), above = plane.distance - glm::dot(n, origin);
     if (!(std::abs(along) > 0)) return std::nullopt;

@@ -59,7 +59,7 @@ FacetContacts::FacetContacts(const Frame& frame, const OcclusionRule& rule, cons
 NearCaster FacetContacts::describe(const PixelIds& caster) const {
     NearCaster result;
     result.ids = caster;
-    result.corners = rule_.get_corners(caster);
+    result.corners = frame_.get_corners_rel(caster);
     result.normal = glm::cross(result.corners[1] - result.corners[0], result.corners[2] - result.corners[0]);
     result.rounding = rule_.find_corner_rounding(caster);
     for (std::size_t i = 0; i < 3; ++i) {
@@ -95,8 +95,7 @@ void FacetContacts::cut_hidden(const SilhouetteFacet& owner, const NearCaster& c
                                facet_kernel::FacetPair& pair) const {
     const double x = double(owner.pixel % std::uint32_t(frame_.width)) + 0.5;
     const double y = double(owner.pixel / std::uint32_t(frame_.width)) + 0.5;
-    const glm::dvec3 origin = rays_.origin_0 + x * rays_.origin_dx + y * rays_.origin_dy;
-    const glm::dvec3 direction = rays_.direction_0 + x * rays_.direction_dx + y * rays_.direction_dy;
+    const glm::dvec3 origin = rays_.origin_at(x, y), direction = rays_.direction_at(x, y);
     const double facing = -glm::dot(caster.normal, direction);
     if (facing == 0) return;
     const double side = facing > 0 ? -1 : 1;

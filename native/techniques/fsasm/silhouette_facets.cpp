@@ -91,8 +91,7 @@ private:
     double bound_reach(std::size_t pixel) const {
         const double x = double(pixel % std::size_t(frame_.width)) + 0.5;
         const double y = double(pixel / std::size_t(frame_.width)) + 0.5;
-        const glm::dvec3 direction = rays_.direction_0 + x * rays_.direction_dx + y * rays_.direction_dy;
-        const glm::dvec3 origin = rays_.origin_0 + x * rays_.origin_dx + y * rays_.origin_dy;
+        const glm::dvec3 origin = rays_.origin_at(x, y), direction = rays_.direction_at(x, y);
         const double length = glm::length(direction);
         const double depth = glm::length(glm::dvec3(frame_.positions_rel[pixel]) - origin) / length;
         const double along = std::abs(glm::dot(glm::dvec3(frame_.normals[pixel]), direction));
