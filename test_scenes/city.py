@@ -18,6 +18,7 @@ kFloorM = 3.3
 kRoadM = 8.0
 kPavementM = 3.6
 kStreetM = 190.0
+kSetbackM = 0.07  # of every other house: neighbours' pilasters and bands overlap, and must not share a plane
 kLeafCount = 4000
 
 
@@ -159,14 +160,15 @@ def line_up_houses(random: np.random.Generator) -> None:
         kinds.append((new_kind(name, (body, kit.new_material(name, color)), (parts, trim)), plan[0] * plan[2]))
     edge = kRoadM / 2 + kPavementM
     for sign in (-1, 1):
-        along, last = -26.0, -1
+        along, last, setback = -26.0, -1, 0.0
         while along < kStreetM:
             pick = int(random.integers(len(kinds)))
             pick = (pick + 1) % len(kinds) if pick == last else pick
             kind, width = kinds[pick]
             turn = Matrix.Rotation(math.pi / 2 if sign > 0 else -math.pi / 2, 4, "Z")
             turn = turn @ Matrix.Rotation(math.pi, 4, "Z")
-            place_kind(kind, Matrix.Translation((sign * edge, along + width / 2, 0.14)) @ turn)
+            place_kind(kind, Matrix.Translation((sign * (edge + setback), along + width / 2, 0.14)) @ turn)
+            setback = kSetbackM - setback
             along += width + (0.02 if random.random() < 0.8 else 5.0)
             last = pick
 

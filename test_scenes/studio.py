@@ -38,8 +38,8 @@ def make_screen_panel(width: float, height: float) -> kit.Shape:
     parts = [
         kit.rounded_box((post, post, height), 0.008, 2).moved((x, 0, height / 2 + 0.06)) for x in (post / 2, width)
     ]
-    for z in (0.10, 0.62, height + 0.03):
-        parts.append(kit.rounded_box((width, post, post), 0.008, 2).moved((width / 2 + post / 4, 0, z)))
+    for z in (0.10, 0.62, height + 0.03):  # rails end inside the posts, and lie behind their faces
+        parts.append(kit.rounded_box((width, 0.8 * post, post), 0.008, 2).moved((width / 2 + post / 4, 0, z)))
     for x in np.linspace(0, width, 8)[1:-1]:
         parts.append(kit.box((bar, bar, height - 0.62), (x, 0, (height + 0.66) / 2)))
     for z in np.linspace(0.62, height, 12)[1:-1]:
