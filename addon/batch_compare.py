@@ -13,6 +13,7 @@ import bpy
 import numpy as np
 
 from .batch_border import BorderSource
+from .batch_causes import CauseSource
 from .batch_done import DoneBefore
 from .batch_files import BatchError, FileNamer, Progress, make_output_folder, write_bytes, write_json
 from .batch_measure import LightMeasurer
@@ -78,6 +79,7 @@ def make_head(options: argparse.Namespace, scene: bpy.types.Scene) -> dict[str, 
         "truths": options.truth,
         "truth_samples": options.truth_samples,
         "border_samples": options.border_samples,
+        "causes": options.causes,
         "temporal_move": [options.temporal, options.temporal_frames, options.temporal_step],
     }
 
@@ -129,6 +131,7 @@ class _Comparison:
             frame_record["truth_surface_cached"] = surface_cached
             origin = np.asarray(captured.camera_position, dtype=np.float64)
             theirs = Surface(surface.positions_ws.astype(np.float64) - origin, surface.covered)
+            causes = CauseSource(captured, theirs.positions_rel, self._options.causes) if self._options.causes else None
             for index, layers in by_light.items():
                 light = snapshot.lights[index]
                 with self._progress.step(f'{label}: Cycles, the shadow of "{light.name}"'):
@@ -141,7 +144,7 @@ class _Comparison:
                 truths = LightTruths(store, captured, hard, classes, sample_count=self._options.truth_samples)
                 measurer = LightMeasurer(
                     captured, hard, classes, borders, light=index,
-                    write_picture=self._write_picture, again_ms=self._again_ms,
+                    write_picture=self._write_picture, again_ms=self._again_ms, causes=causes,
                 )  # fmt: skip
                 self._measure_light(f'{label}: "{light.name}"', layers, truths, measurer)
                 masks_ms[light.name] = sum(hard[0].times_ms.values())

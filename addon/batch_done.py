@@ -20,6 +20,7 @@ HEAD_FIELDS = (
     "truths",
     "truth_samples",
     "border_samples",
+    "causes",
     "temporal_move",
 )
 FILE_FIELDS = ("file", "picture", "layer_picture", "truth_picture", "difference_picture")

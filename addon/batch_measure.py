@@ -12,12 +12,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .batch_border import BorderSource, describe_border, make_texel_function
+from .batch_causes import CauseSource
 from .batch_render import describe_layer
 from .batch_truth import HARD, PIXEL, SAMPLED, LayerTruth
 from .capture import CapturedFrame, CapturedLayer
 from .compare import flip
 from .compare.footprint import compute_sun_extent, compute_texel_footprint_px
-from .compare.measures import LayerMeasures, measure_layer
+from .compare.measures import LIT_THRESHOLD, LayerMeasures, count_border_pixels, measure_layer
 from .compare.pictures import make_difference_png, make_layer_png, make_truth_png
 from .compare.pixels import PixelClasses
 from .compare.report import LightEntry, TechniqueEntry
@@ -40,7 +41,8 @@ class _Shared:
 
 
 class LightMeasurer:
-    """Of one light in one frame. `hard`: its hard truth and whether it came from the cache."""
+    """Of one light in one frame. `hard`: its hard truth and whether it came from the cache. `causes`: what sorts wrong
+    pixels; None: they are not sorted."""
 
     def __init__(
         self,
@@ -52,11 +54,12 @@ class LightMeasurer:
         light: int,
         write_picture: PictureWriter,
         again_ms: list[float | None],
+        causes: CauseSource | None = None,
     ) -> None:
         self._captured, self._classes, self._borders = captured, classes, borders
         self._hard, self._hard_cached = hard
         self._light = captured.snapshot.lights[light]
-        self._write_picture, self._again_ms = write_picture, again_ms
+        self._write_picture, self._again_ms, self._causes = write_picture, again_ms, causes
         self._shared: dict[int, tuple[LayerTruth, _Shared]] = {}  # the truth is kept: its id must stay its own
         self._layer_pictures: dict[int, tuple[bytes, str]] = {}
         self._sun_extent = 0.0
@@ -94,6 +97,7 @@ class LightMeasurer:
             "border": describe_border(measures, shared.border_samples),
             "flip": flip.compute_mean_flip(visibility, truth.values, comparable),
             "pixel_count": measures.pixel_count,
+            "true_border_pixels": count_border_pixels(truth.values >= LIT_THRESHOLD, comparable),
             "excluded": self._classes.count_excluded(),
             "truth_undecided": self._hard.undecided_count,
             "truth_ms": {stage: round(value, 4) for stage, value in sum_up(times_ms).items()},
@@ -104,6 +108,8 @@ class LightMeasurer:
                 difference_png, self._light.name, layer.technique, "difference", "" if first else truth.kind
             ),
         }
+        if self._causes is not None and truth.kind == HARD:
+            record["causes"] = self._causes.describe(layer, truth.values, comparable)
         self.records.append(record)
         shared.entry.techniques.append(TechniqueEntry(record, layer_png, difference_png))
 

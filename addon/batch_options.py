@@ -140,6 +140,8 @@ def make_parser() -> argparse.ArgumentParser:
         help="compare: named (what each technique stands for; default), hard, filtered, soft, pixel")  # fmt: skip
     add("--truth-samples", metavar="N", type=parse_count(4, 65536), default=64,
         help="compare: samples per pixel of filtered, soft and pixel truths (default 64)")  # fmt: skip
+    add("--causes", metavar="N", type=parse_count(0, 1_000_000), default=0,
+        help="compare: sort up to N pixels of each layer that are wrong against a hard truth by cause")  # fmt: skip
     add("--temporal", choices=TEMPORAL_MOVES,
         help="compare: measure changes too, over a short move of lights or camera, or over --frames")  # fmt: skip
     add("--temporal-frames", metavar="N", type=parse_count(2, 1000), default=8, help="frames of the move (default 8)")

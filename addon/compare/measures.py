@@ -163,6 +163,17 @@ def measure_layer(
     return LayerMeasures({**values, **found.values}, pixel_count, faults, found)
 
 
+def count_border_pixels(truth_lit: NDArray[np.bool_], comparable: NDArray[np.bool_]) -> int:
+    """Comparable pixels (h, w) that have one on the other side of the true border among their four neighbours."""
+    at_border = np.zeros(truth_lit.shape, dtype=bool)
+    for axis in (0, 1):
+        lit, compared, found = (np.moveaxis(picture, axis, 0) for picture in (truth_lit, comparable, at_border))
+        crossed = (lit[1:] != lit[:-1]) & compared[1:] & compared[:-1]
+        found[1:] |= crossed
+        found[:-1] |= crossed
+    return int(at_border.sum())
+
+
 def mark_faults(
     faults: NDArray[np.uint8],
     kinds: tuple[int, int],

@@ -249,6 +249,24 @@ def test_each_layer_meets_the_truths_asked_for(compare, module, monkeypatch, tmp
     assert [record["truth"]["cached"] for record in finer] == [True, False, False, False]
 
 
+def test_wrong_pixels_are_sorted_by_cause(compare):
+    """A coarse map's wrong pixels are the technique's own; few without texels are wrong, none by their fault."""
+    arguments = ("--techniques", "sm,exact", "--map-size", 64)
+    plain = index_records(compare(*arguments))
+    assert not any("causes" in record for record in plain.values())
+    for (light, technique, _), record in index_records(compare(*arguments, "--causes", 60)).items():
+        causes = record["causes"]
+        wrong = record["measures"]["misclassified_fraction"] * record["pixel_count"]
+        assert causes["wrong"] == round(wrong)
+        assert causes["sorted"] == len(causes["pixels"]) == min(causes["wrong"], 60) == sum(causes["counts"].values())
+        assert causes["counts"]["unexplained"] == 0, light
+        assert 200 < record["true_border_pixels"] < 0.3 * record["pixel_count"]
+        if technique == "sm":
+            assert causes["wrong"] > 60 and causes["counts"]["technique"] >= 58, light
+        else:
+            assert causes["counts"]["technique"] == 0 and causes["wrong"] <= 3, light
+
+
 def test_several_view_layers_must_be_chosen(compare, blend, tmp_path, capfd):
     bpy.ops.wm.open_mainfile(filepath=str(blend))
     bpy.context.scene.view_layers.new("Second")

@@ -24,6 +24,17 @@ def measure(layer, truth, comparable=None, **keywords):
     return measures.measure_layer(np.asarray(layer, dtype=np.float32), truth, comparable, **keywords)
 
 
+def test_border_pixels_have_a_compared_neighbour_across():
+    lit = np.array([[1, 1, 1, 1], [1, 0, 0, 1], [1, 0, 0, 0]], bool)
+    everywhere = np.ones(lit.shape, bool)
+    # All but the corner above left and right, and below to the right, whose neighbours are like it.
+    assert measures.count_border_pixels(lit, everywhere) == 9
+    assert measures.count_border_pixels(lit, lit) == 0
+    left = everywhere & (np.arange(4) < 2)
+    assert measures.count_border_pixels(lit, left) == 5
+    assert measures.count_border_pixels(np.zeros((3, 4), bool), everywhere) == 0
+
+
 # ---- distances
 
 
