@@ -3,7 +3,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Measures what the product claims, prints tables and keeps the numbers in out/measure/.
 
-    scripts/measure.py [NAME ...]      accuracy orderings borders speed cycles export memory cancel   (nothing: all)
+    scripts/measure.py [NAME ...]   accuracy exact orderings borders speed cycles export memory cancel   (nothing: all)
 
 Runs with the bpy 4.5 module. A figure over its bound is marked and makes the exit code 1. Times are ratios of medians
 within one process wherever the bound is a ratio; run it on a machine that does nothing else.
@@ -16,9 +16,11 @@ import os
 import platform
 import subprocess
 import sys
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 
+import measure_exactness as exactness
 import measure_orderings as orderings
 
 root = Path(__file__).resolve().parent.parent
@@ -124,6 +126,30 @@ def add_accuracy_rows(table: Table, scene: str, records: list[dict], bound: floa
                   bound or "", f"{100 * acne:.4f}", f"{100 * leak:.4f}", good=good)  # fmt: skip
 
 
+def measure_exact() -> Table:
+    """Techniques without texels on every scene, their wrong pixels by cause."""
+    table = Table("Techniques without texels against Cycles, 1280 x 720", exactness.kColumns)
+    rows = []
+
+    def compare(name: str, techniques: Sequence[str], *options: object) -> tuple[list[dict], Path]:
+        folder = out / "exact" / f"{name}_{options[1]}_{len(techniques)}"
+        run(f"comparing {', '.join(techniques)} on {name}, maps of {options[1]}", root / "addon" / "batch.py",
+            scenes[name], "compare", "--techniques", ",".join(techniques), *options, "--out", folder)  # fmt: skip
+        return json.loads((folder / "comparison.json").read_text(encoding="utf-8"))["records"], folder
+
+    scenes: dict[str, Path] = {}
+    for name, script, options in exactness.list_wanted():
+        path = make_model(name, *options) if script == "model" else make_scene(name, script, *options)
+        if path is not None:
+            scenes[path.stem] = path
+    for name in scenes:
+        for row in exactness.measure_scene(compare, name):
+            table.add(*row.cells, good=row.good)
+            rows.append(row)
+    table.add("all", "", "", "", sum(int(row.cells[4]) for row in rows), "", "", "", exactness.sum_causes(rows))
+    return table
+
+
 def measure_orderings() -> Table:
     """What papers 003 and 004 say of their techniques, on the same settings."""
     table = Table("Orderings, 1280 x 720, maps of 512", ["what", "scene", "technique", "figure", "bound", "beside it"])
@@ -227,6 +253,7 @@ def measure_cancel() -> Table:
 
 kMeasures = {
     "accuracy": measure_accuracy,
+    "exact": measure_exact,
     "orderings": measure_orderings,
     "borders": measure_borders,
     "speed": measure_speed,
