@@ -6,9 +6,14 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <numeric>
 
 #include "support/ray_comparison.h"
 #include "support/soup_scene.h"
+#include "truth/border_error.h"
+#include "truth/pixel_means.h"
+#include "truth/pixel_samples.h"
+#include "truth/plane_shadow.h"
 
 namespace shadow_layers::testing {
 namespace {
@@ -140,6 +145,67 @@ TEST_F(AFSM, SamplesAverageExactAnswers) {
         const TechniqueRun run =
             runner_.render(view, "afsm", parameters({{"samples", std::int64_t(5)}, {"map_size", std::int64_t(128)}}));
         EXPECT_EQ(run.visibility(), compute_mean_truth(runner_, view, run, 5));
+    }
+}
+
+/// What the layer of so many samples is held against.
+struct PixelComparison {
+    truth::BorderError border;
+    double bias = 0;            ///< mean of the layer less the truth, over the pixels turned to the light
+    int planes = 0, mixed = 0;  ///< pixels that see one plane alone; those of them that are neither lit nor dark
+    int different = 0;          ///< of these, where the layer is not the mean of the places' own exact answers
+};
+
+PixelComparison compare_with_squares(TechniqueRunner& runner, const SceneView& view, int samples) {
+    const TechniqueRun run = runner.render(view, "afsm", parameters({{"samples", std::int64_t(samples)}}));
+    const Light& light = view.scene->lights[0];
+    const LightPosition& position = run.positions.at(0);
+    const truth::RayOracle oracle(view.scene);
+    const truth::TriangleTree tree(oracle, *view.scene);
+    const Frame& frame = *run.frame;
+    const auto means =
+        truth::compute_pixel_means(oracle, tree, frame, light, position, runner.engine().threads(), [] {});
+    const truth::PlaneShadows planes(oracle, tree, frame, light, position);
+    const truth::PixelSamples places(oracle, frame, light, position);
+    std::vector<glm::dvec2> offsets;
+    for (int k = 0; k < samples; ++k) offsets.push_back(get_afsm_offset(k, samples));
+    const FacingRule facing(frame, light, position);
+    PixelComparison result;
+    int counted = 0;
+    for (std::size_t pixel = 0; pixel < means.size(); ++pixel) {
+        if (facing.classify(pixel) != Facing::Lit) continue;
+        const float layer = run.visibility()[pixel];
+        result.border.add(double(layer), double(means[pixel]));
+        result.bias += double(layer) - double(means[pixel]);
+        ++counted;
+        if (!planes.sees_plane_alone(pixel)) continue;
+        const auto lit = places.find_visibility(pixel, offsets, truth::SampleReceiver::OwnRay);
+        result.different += layer != float(std::accumulate(lit.begin(), lit.end(), 0)) / float(samples);
+        result.mixed += layer > 0 && layer < 1;
+        ++result.planes;
+    }
+    result.bias /= std::max(counted, 1);
+    return result;
+}
+
+// Against areas, not against its own places: more of them come nearer. Each place by itself is exact.
+TEST_F(AFSM, SamplesApproachThePixelsSquare) {
+    for (const LightKind kind : {LightKind::Sun, LightKind::Spot}) {
+        SceneView view = random_scene(27, 160, 90);
+        view.scene->lights = {make_light(kind, {2, 1.5, 4}, {0, 0, 0.3}, 70)};
+        double last = 1;
+        for (const int samples : {4, 16, 64}) {
+            const PixelComparison found = compare_with_squares(runner_, view, samples);
+            EXPECT_EQ(found.different, 0);
+            EXPECT_GT(found.planes, 4000);
+            EXPECT_GT(found.mixed, 100);
+            EXPECT_GT(found.border.pixels(), 300u);
+            EXPECT_LT(std::abs(found.bias), 0.002);
+            const double error = found.border.compute_mean();
+            EXPECT_LT(error, 0.5 * last) << samples;
+            last = error;
+        }
+        EXPECT_LT(last, 0.02);
     }
 }
 
