@@ -29,8 +29,8 @@ struct CentreRay {
           moment(glm::cross(origin, direction)) {}
 };
 
-/// A triangle's edges as lines, so that one triangle is asked about several rays at little cost: the volume that ray and
-/// edge span is direction . (p x q) + moment . (q - p).
+/// A triangle's edges as lines, so that one triangle is asked about several rays at little cost: the volume that ray
+/// and edge span is direction . (p x q) + moment . (q - p).
 class TriangleEdges {
 public:
     explicit TriangleEdges(const Corners& c)
@@ -96,7 +96,8 @@ public:
         const VertexTriangles& around = get_vertex_triangles(mesh);
         const glm::uvec3& vertices = frame_.scene->meshes[mesh]->triangles[own.triangle];
         for (int k = 0; k < 3; ++k)
-            for (const std::uint32_t triangle : around.of(vertices[k])) consider(ray, {own.instance, triangle}, nearest);
+            for (const std::uint32_t triangle : around.of(vertices[k]))
+                consider(ray, {own.instance, triangle}, nearest);
         for (int y = std::max(row - 1, 0); y <= std::min(row + 1, frame_.height - 1); ++y)
             for (int x = std::max(column - 1, 0); x <= std::min(column + 1, frame_.width - 1); ++x)
                 consider(ray, frame_.ids[std::size_t(y) * std::size_t(frame_.width) + std::size_t(x)], nearest);

@@ -283,6 +283,26 @@ TEST_F(FrameTest, ClipPlanesCut) {
     EXPECT_EQ(covered(4.999, 100), 32 * 32);
 }
 
+/// Where triangles are smaller than pixels, hundreds of centres fall to a neighbour by the raster's grid.
+TEST_F(FrameTest, PixelsSeeTheTriangleThatTheirRayMeets) {
+    const auto scene = make_scene(test::make_ball(700, 1400), glm::dmat4(1.0));
+    for (const bool perspective : {true, false}) {
+        Camera camera = test::make_camera({3, -2, 2}, {0, 0, 0}, 0.8, 160, 120, 0.01, 100);
+        camera.perspective = perspective;
+        if (!perspective) camera.window = {-1.6, 1.6, -1.2, 1.2};
+        const auto frame = make_frame(scene, camera, 160, 120);
+        const Frame truth = testing::RayOracle(scene).make_frame(camera, 160, 120);
+        int covered = 0, other = 0;
+        for (std::size_t i = 0; i < frame->pixel_count(); ++i) {
+            if (!frame->coverage[i] || !truth.coverage[i]) continue;
+            ++covered;
+            other += frame->ids[i].triangle != truth.ids[i].triangle;
+        }
+        EXPECT_GT(covered, 5000);
+        EXPECT_LE(other, 2);
+    }
+}
+
 /// Degenerate, mirrored, flattened and not finite: finite values everywhere, unit normals towards the camera.
 TEST_F(FrameTest, BadGeometryGivesFiniteFrames) {
     std::mt19937 random(7);

@@ -9,7 +9,9 @@
 #include "support/ray_comparison.h"
 #include "support/soup_scene.h"
 #include "techniques/fsasm/sample_mask.h"
+#include "truth/border_error.h"
 #include "truth/pixel_samples.h"
+#include "truth/plane_shadow.h"
 
 namespace shadow_layers::testing {
 namespace {
@@ -40,14 +42,12 @@ protected:
                                            int samples) {
         const truth::RayOracle oracle(view.scene);
         const Frame& frame = *run.frame;
-        const truth::PixelSamples rays(oracle, view.scene, frame.camera, frame.width, frame.height,
-                                       view.scene->lights[0], run.positions.at(0));
+        const truth::PixelSamples rays(oracle, frame, view.scene->lights[0], run.positions.at(0));
         const auto offsets = list_offsets(make_sample_places(placement, samples));
         std::vector<float> truth(frame.pixel_count());
         runner_.engine().threads().parallel_for(truth.size(), 256, [&](std::size_t begin, std::size_t end) {
             for (std::size_t pixel = begin; pixel < end; ++pixel) {
-                const auto lit = rays.find_visibility(int(pixel) % frame.width, int(pixel) / frame.width, offsets,
-                                                      truth::SampleReceiver::CentreFacet);
+                const auto lit = rays.find_visibility(pixel, offsets, truth::SampleReceiver::CentreFacet);
                 truth[pixel] = float(std::count(lit.begin(), lit.end(), 1)) / float(samples);
             }
         });
@@ -117,6 +117,27 @@ TEST_F(FSASM, SamplesEqualRaysWithTheLightAmongTheCasters) {
         for (const LightKind kind : {LightKind::Point, LightKind::Spot})
             EXPECT_EQ(
                 count_different(hide_casters(make_soup_scene(9)), make_light(kind, place, {0.3, 0.3, -2}, 150), 32), 0);
+}
+
+// What the paper's samples are for: the part of the pixel that is lit, against its exact area.
+TEST_F(FSASM, BorderPixelsAreAsLitAsTheirArea) {
+    for (const auto& [samples, bound] : {std::pair{"32", 1.0 / 48}, {"128", 1.0 / 96}})
+        for (const char* pattern : {"lattice", "grid"})
+            for (const LightKind kind : kAllLightKinds) {
+                SceneView view = hide_casters(random_scene(35, 320, 180));
+                view.scene->lights = {make_light(kind, {2, 1.5, 4}, {0, 0, 0.5}, 80)};
+                const TechniqueRun run = runner_.render(
+                    view, "fsasm", parameters({{"samples", std::string(samples)}, {"pattern", std::string(pattern)}}));
+                const truth::RayOracle oracle(view.scene);
+                const truth::TriangleTree tree(oracle, *view.scene);
+                const truth::PlaneShadows areas(oracle, tree, *run.frame, view.scene->lights[0], run.positions.at(0));
+                truth::BorderError error;
+                for (std::size_t pixel = 0; pixel < run.visibility().size(); ++pixel)
+                    if (const auto lit = areas.find_lit_part(pixel)) error.add(run.visibility()[pixel], *lit);
+                EXPECT_GT(error.pixels(), 700u);
+                EXPECT_LT(error.compute_mean(), bound) << samples << " " << pattern << " " << int(kind);
+                RecordProperty("border_mae", std::to_string(error.compute_mean()));
+            }
 }
 
 // Their borders on the receiver are found by the pixels' centres, but for dips smaller than a pixel.
