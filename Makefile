@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 # The front door. Everything here runs on a fresh Debian 12 machine; what is missing is installed first.
 .DEFAULT_GOAL := help
-.PHONY: help setup build test test-asan preview package bench measure docs lint format clean
+.PHONY: help setup build test test-asan preview package bench measure table docs lint format clean
 
 help: ## Show this list
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / { printf "  make %-10s %s\n", $$1, $$2 }' $(MAKEFILE_LIST)
@@ -39,6 +39,11 @@ measure: ## Measure what the README's tables claim (NAMES="accuracy speed ...", 
 	@scripts/setup.sh build bpy45 blender test
 	@scripts/build.sh
 	@/usr/bin/python3 scripts/measure.py $(NAMES)
+
+table: ## Make docs/techniques.md anew: measures all techniques
+	@scripts/setup.sh build bpy45
+	@scripts/build.sh
+	@scripts/make_docs.sh table
 
 docs: ## Make docs/techniques.md, docs/comparison.md and all pictures anew
 	@scripts/setup.sh build bpy45

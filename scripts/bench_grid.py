@@ -96,6 +96,7 @@ class Grid:
 
 
 TABLE_KEYS = {"id", "title", "scenes", "resolutions", "rows", "axes", "against", "errors", "repeat", "warm_up", "quick"}
+ALL_ROWS = "all"  # every technique that the core has, with its defaults
 QUICK_KEYS = TABLE_KEYS - {"id", "title", "quick"}
 
 
@@ -190,10 +191,11 @@ def check_table(grid: Grid, entry: dict[str, Any]) -> str:
             require(isinstance(values, list) and bool(values), f"{where}: axis {axis} is no list with anything in it")
             followed = any(axis in method.axes for method in grid.methods.values())
             require(followed, f"{where}: no method follows the axis {axis}")
-        require(isinstance(part["rows"], list) and bool(part["rows"]), f"{where}: rows is no list with anything in it")
+        good = part["rows"] == ALL_ROWS or (isinstance(part["rows"], list) and bool(part["rows"]))
+        require(good, f'{where}: rows is neither "{ALL_ROWS}" nor a list with anything in it')
         unknown = [one for one in part.get("against", []) if one not in grid.methods]
         require(not unknown, f"{where}: against: there is no method {', '.join(map(str, unknown))}")
-        for row in part["rows"]:
+        for row in part["rows"] if part["rows"] != ALL_ROWS else []:
             split_row(grid, where, row, part["axes"])
     return name
 
@@ -243,7 +245,10 @@ def lay_out(grid: Grid, *, techniques: list[dict], only: list[str], quick: bool)
 def lay_out_table(grid: Grid, part: dict[str, Any], known: dict[str, dict], quick: bool) -> Table:
     where = f"table {part['id']}"
     table = Table(part["id"], part["title"], part["axes"], list(part.get("against", [])))
-    rows = [made for row in part["rows"] for made in expand_row(grid, where, row, part["axes"])]
+    if part["rows"] == ALL_ROWS:
+        rows = [Row(technique, technique, {}, {}) for technique in known]
+    else:
+        rows = [made for row in part["rows"] for made in expand_row(grid, where, row, part["axes"])]
     table.missing = list(dict.fromkeys(row.method for row in rows if row.technique not in known))
     rows = [row for row in rows if row.technique in known]
     for row in rows:

@@ -2,6 +2,9 @@
 # SPDX-FileCopyrightText: 2026 Shadow Layers contributors
 # SPDX-License-Identifier: GPL-3.0-or-later
 # Makes docs/techniques.md, docs/comparison.md and every picture of docs/images/ anew, with the program itself.
+#
+#   scripts/make_docs.sh          all
+#   scripts/make_docs.sh table    docs/techniques.md alone
 script_name=docs
 . "$(dirname "$0")/common.sh"
 
@@ -18,9 +21,10 @@ batch() { # BLEND VERB [options]; the output is shown where it fails
 make_scene() { "$python" "$root/test_scenes/$1.py" "$work/$1.blend" >/dev/null || die "could not make scene $1"; }
 
 say "the table of techniques"
-"$build_dir/bin/shadowcore" info --json "$work/info.json" >/dev/null
-/usr/bin/python3 "$root/scripts/make_technique_table.py" "$work/info.json"
-mapfile -t techniques < <(technique_ids "$work/info.json")
+/usr/bin/python3 "$root/scripts/bench.py" techniques --build "$build_dir" --out "$work/bench"
+/usr/bin/python3 "$root/scripts/make_technique_table.py" "$work/bench"
+[ "${1:-}" = table ] && exit
+mapfile -t techniques < <(technique_ids "$work/bench/info.json")
 
 for scene in box jenga hall fence studio city knot wall door blades bumpy; do
     say "picture of scene $scene"

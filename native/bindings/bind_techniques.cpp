@@ -49,6 +49,7 @@ py::dict technique_info(const TechniqueDescriptor& descriptor) {
     info["label"] = descriptor.label;
     info["summary"] = descriptor.summary;
     info["reference"] = descriptor.reference;
+    info["meshes"] = descriptor.meshes;
     info["limits"] = descriptor.limits;
     py::list lights, parameters, outputs;
     for (const LightKind kind : descriptor.lights) lights.append(get_name(kind));

@@ -43,6 +43,7 @@ class TechniqueInfo(TypedDict):
     label: str
     summary: str
     reference: str
+    meshes: str  # what casters must be like: "any", ...
     limits: str
     lights: list[str]  # "SUN" | "SPOT" | "POINT" | "AREA"
     parameters: list[ParameterInfo]

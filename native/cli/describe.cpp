@@ -71,7 +71,7 @@ std::string describe_techniques() {
     for (const TechniqueDescriptor& descriptor : technique_descriptors()) {
         if (descriptor.test_only) continue;
         text << "\n\n  " << descriptor.id << ": " << descriptor.label << ". " << descriptor.summary
-             << "\n    limits: " << descriptor.limits;
+             << "\n    meshes: " << descriptor.meshes << "\n    limits: " << descriptor.limits;
         for (const ParameterSpec& spec : descriptor.parameters) {
             text << "\n    " << descriptor.id << "." << spec.id << "=" << value_text(spec.default_value) << "  ("
                  << limits_text(spec) << ")  " << spec.help;
@@ -100,6 +100,7 @@ nlohmann::json technique_to_json(const TechniqueDescriptor& descriptor) {
             {"label", descriptor.label},
             {"summary", descriptor.summary},
             {"reference", descriptor.reference},
+            {"meshes", descriptor.meshes},
             {"limits", descriptor.limits},
             {"lights", lights},
             {"parameters", parameters},

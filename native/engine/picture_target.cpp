@@ -15,6 +15,12 @@ bool PictureTarget::fits(int width, int height, const std::vector<GLenum>& forma
     return true;
 }
 
+std::size_t PictureTarget::byte_size() const {
+    std::size_t bytes = 0;
+    for (const auto& texture : textures_) bytes += texture->byte_size();
+    return bytes;
+}
+
 void PictureTarget::fit(Engine& engine, int width, int height, const std::vector<GLenum>& formats, const char* label) {
     if (fits(width, height, formats)) return;
     // First gives back what is held.

@@ -22,6 +22,7 @@ public:
 
     gl::Framebuffer& framebuffer() { return framebuffer_; }
     const gl::Texture& texture(std::size_t index = 0) const { return *textures_[index]; }
+    std::size_t byte_size() const;
 
 private:
     bool fits(int width, int height, const std::vector<GLenum>& formats) const;

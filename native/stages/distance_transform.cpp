@@ -90,6 +90,11 @@ DistanceTransform::Method DistanceTransform::fastest_method(Engine& engine) {
     return *fastest_;
 }
 
+std::size_t DistanceTransform::byte_size() const {
+    return nearest_tx_.byte_size() + sites_tx_.byte_size() + links_tx_.byte_size() + margin_buf_.byte_size() +
+           ends_buf_.byte_size() + mask_.size() + nearest_.size() * sizeof(std::uint32_t);
+}
+
 double DistanceTransform::time_method(Engine& engine, Method method, const gl::Texture& mask_tx) {
     double least_ms = std::numeric_limits<double>::max();
     for (int round = 0; round < 4; ++round) {

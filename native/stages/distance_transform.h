@@ -48,6 +48,9 @@ public:
     const gl::Texture& run_by(Engine& engine, Method method, const gl::Texture& mask_tx,
                               const DistanceTransformOptions& options = {});
 
+    /// Of the last result and of what led to it, on the GL and beside it.
+    std::size_t byte_size() const;
+
     /// Which method run() takes; measured at the first call (stage "distance_transform_choice").
     Method fastest_method(Engine& engine);
 

@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "stages/edge_distance_map.h"
 
+#include <algorithm>
+
 #include "base/hash.h"
 #include "light_params.h"
 #include "stages/edge_quads.h"
@@ -51,7 +53,7 @@ DrawState sorting_state(EdgeOrder order) {
 }
 
 std::shared_ptr<const EdgeDistanceMap> draw_edge_distance_map(Engine& engine, const MapEdgeFinder::Result& found,
-                                                              const DepthMap& depth_map,
+                                                              const LightPosition& position, const DepthMap& depth_map,
                                                               const EdgeDistanceOptions& options) {
     const auto timer = engine.time_stage("edge_distance_map");
     const gl::Texture& depth_tx = *depth_map.texture;
@@ -81,6 +83,7 @@ std::shared_ptr<const EdgeDistanceMap> draw_edge_distance_map(Engine& engine, co
         if (std::size_t(layer) >= found.by_view.size()) continue;
         program.use();
         program.set("u_layer", layer);
+        program.set("u_depth_scale", float(compute_edge_depth_scale(position.views[std::size_t(layer)])));
         draw_edge_quads(engine, found.by_view[std::size_t(layer)], sorting_state(options.order));
         made->edge_quads += std::int64_t(found.by_view[std::size_t(layer)].size());
     }
@@ -90,6 +93,10 @@ std::shared_ptr<const EdgeDistanceMap> draw_edge_distance_map(Engine& engine, co
 }
 
 }  // namespace
+
+double compute_edge_depth_scale(const LightView& view) {
+    return view.perspective ? std::max(view.far_ls / view.near_ls - 1, 1.0) : 1.0;
+}
 
 std::shared_ptr<const EdgeDistanceMap> render_edge_distance_map(Engine& engine, MapEdgeFinder& finder,
                                                                 const Scene& scene, const LightPosition& position,
@@ -105,7 +112,8 @@ std::shared_ptr<const EdgeDistanceMap> render_edge_distance_map(Engine& engine, 
                                .add(options.own_texel_test)
                                .key();
     auto map = engine.stages().get<EdgeDistanceMap>(key, [&] {
-        return draw_edge_distance_map(engine, finder.find(engine, scene, position, options.edges), depth_map, options);
+        return draw_edge_distance_map(engine, finder.find(engine, scene, position, options.edges), position, depth_map,
+                                      options);
     });
     engine.count("silhouette_edges", map->silhouette_edges);
     engine.count("edge_quads", map->edge_quads);

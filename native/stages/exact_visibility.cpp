@@ -35,6 +35,7 @@ public:
     void draw() {
         const std::size_t total = casters_.size();
         triangles_.resize(std::min(kChunk, total));
+        engine_.count("list_bytes", std::int64_t(sorted_.byte_size() + triangles_.size() * sizeof(CasterTriangle)));
         for (std::size_t begin = 0; begin < total; begin += kChunk) {
             engine_.check_cancelled();
             const std::size_t count = std::min(kChunk, total - begin);

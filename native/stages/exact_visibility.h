@@ -17,7 +17,7 @@ namespace shadow_layers {
 ///
 /// `most_tiles`: bound of the tiles per side, which are chosen by the picture's size. It changes the time, not the
 /// answer.
-/// Counts "receivers", "caster_triangles", "tile_tests", "open_pairs" (settled in double).
+/// Counts "receivers", "list_bytes", "caster_triangles", "tile_tests", "open_pairs" (settled in double).
 std::vector<std::uint8_t> compute_exact_visibility(Engine& engine, const Frame& frame, const Light& light,
                                                    const LightPosition& position, int most_tiles);
 

@@ -30,6 +30,9 @@ struct ReceiverTiles {
     std::vector<float> x, y, depth;
     std::vector<std::uint32_t> pixel;
 
+    std::size_t byte_size() const {
+        return (5 * count.size() + 4 * x.size()) * sizeof(std::uint32_t);  // all are numbers of four bytes
+    }
     /// Middle of a tile on one axis, clip units.
     double middle(int tile) const { return (2 * tile + 1) * half_size - 1; }
 };

@@ -54,6 +54,7 @@ const gl::Texture& ResolvePass::run(Engine& engine, const Task& task) {
     std::vector<GLenum> formats{task.format};
     if (task.second_program) formats.push_back(GL_DEPTH_COMPONENT32F);  // which pixels are decided
     target_.fit(engine, frame.width, frame.height, formats, "resolved layer");
+    if (task.second_program) engine.count("picture_bytes", std::int64_t(target_.texture(1).byte_size()));
     if (!params_buf_) params_buf_ = gl::Buffer(engine.device(), sizeof(LightParams), "light params");
     const LightParams params = make_light_params(frame, task.light, task.position);
     params_buf_.write(&params, sizeof params);

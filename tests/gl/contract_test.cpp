@@ -126,6 +126,15 @@ TEST_P(Contract, ValuesAreFiniteAndInRange) {
     EXPECT_LT(*std::min_element(values.begin(), values.end()), 0.1f);
 }
 
+TEST_P(Contract, TellsTheMemoryThatItHolds) {
+    SceneView view = random_scene(3, 96, 54);
+    view.scene->lights = {light_above()};
+    std::int64_t bytes = 0;
+    for (const auto& [name, count] : render(shared_session(), request_for(view)).at(0).stats.counters)
+        if (name.ends_with("_bytes")) bytes += count;
+    EXPECT_GT(bytes, 0);
+}
+
 TEST_P(Contract, TwoRendersAreBitIdentical) {
     SceneView view = random_scene(5, 96, 54);
     view.scene->lights = {light_above()};
@@ -348,6 +357,7 @@ TEST(Descriptors, AreComplete) {
         SCOPED_TRACE(technique.id);
         EXPECT_FALSE(technique.label.empty());
         EXPECT_FALSE(technique.summary.empty());
+        EXPECT_FALSE(technique.meshes.empty());
         EXPECT_FALSE(technique.limits.empty());
         EXPECT_FALSE(technique.lights.empty());
         EXPECT_TRUE(technique.needs);

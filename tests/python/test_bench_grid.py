@@ -79,6 +79,16 @@ def lay_out(bench_grid, document, techniques=TECHNIQUES, only=(), quick=False):
     return bench_grid.lay_out(grid, techniques=techniques, only=list(only), quick=quick)
 
 
+def test_a_table_of_all_techniques_names_none(bench_grid, document):
+    document["tables"][0] |= {"rows": "all", "axes": {}}
+    document["tables"][0].pop("quick")
+    rows = lay_out(bench_grid, document, [*TECHNIQUES, VSM], only=["one"])[0].runs[0].rows
+    assert [(row.technique, row.settings) for row in rows] == [("sm", {}), ("pcf", {}), ("vsm", {})]
+    document["tables"][0]["rows"] = "some"
+    with pytest.raises(bench_grid.GridError, match='rows is neither "all" nor a list'):
+        lay_out(bench_grid, document)
+
+
 def test_rows_are_laid_out_over_the_axes_that_they_follow(bench_grid, document):
     one, two = lay_out(bench_grid, document, [*TECHNIQUES, VSM])
     assert [run.scene.name for run in one.runs] == ["box", "figure"]

@@ -1,7 +1,10 @@
 # SPDX-FileCopyrightText: 2026 Shadow Layers contributors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What docs/techniques/<id>.md says of parameters is what the descriptors say; sources that are cited are listed."""
+"""What docs/techniques/<id>.md says of parameters is what the descriptors say; sources that are cited are listed;
+docs/techniques.md has all figures of every technique."""
 
+import importlib
+import itertools
 import re
 import subprocess
 
@@ -100,6 +103,94 @@ def test_pages_tell_the_parameters_of_the_descriptors(core, root):
         page = (root / "docs" / "techniques" / f"{technique['id']}.md").read_text(encoding="utf-8")
         mistakes += [f"docs/techniques/{technique['id']}.md: {text}" for text in find_mistakes(technique, page)]
     assert not mistakes, "\n".join(mistakes)
+
+
+def read_overview(page):
+    """The table of figures in docs/techniques.md: by technique the cells by column."""
+    lines = page.splitlines()
+    start = next((k for k, line in enumerate(lines) if line.startswith("| technique | truth |")), len(lines))
+    table = [[cell.strip() for cell in line.strip("|").split("|")]
+             for line in itertools.takewhile(lambda line: line.startswith("|"), lines[start:])]  # fmt: skip
+    return {CODE.findall(cells[0])[0]: dict(zip(table[0], cells, strict=True)) for cells in table[2:]}
+
+
+def find_overview_mistakes(techniques, page):
+    """What the page lacks of the techniques of the build, or tells differently."""
+    rows, ids = read_overview(page), [technique["id"] for technique in techniques]
+    mistakes = [f"{name} is no technique" for name in rows if name not in ids]
+    for technique in techniques:
+        row = rows.get(technique["id"])
+        if row is None:
+            mistakes.append(f"{technique['id']} has no row")
+            continue
+        errors = [cell for column, cell in row.items() if column.startswith("error, ")]
+        right = {
+            "errors": len(errors) >= 2 and all(re.fullmatch(r"\d+\.\d+", cell) for cell in errors),
+            "truth": row["truth"].startswith(technique["truth"]),
+            "time": re.fullmatch(r"\d+\.\d+( \(\d+\.\d+ … \d+\.\d+\))?", row["time"]),
+            "memory": re.fullmatch(r"\d+\.\d+ MB", row["memory"]) and row["memory"] != "0.0 MB",
+            "meshes": row["meshes"] == technique["meshes"],
+            "lights": row["lights"] == ", ".join(technique["lights"]).lower(),
+            "summary": f"| {technique['summary']} | {technique['limits']} |" in page,
+            "picture": f"![{technique['id']}](images/{technique['id']}.png)" in page,
+        }
+        mistakes += [f"{technique['id']}: {what}: {row.get(what, errors)}" for what, good in right.items() if not good]
+    return mistakes
+
+
+@pytest.fixture(scope="module")
+def overview(root):
+    return (root / "docs" / "techniques.md").read_text(encoding="utf-8")
+
+
+@pytest.fixture(scope="module")
+def offered(core):
+    return [technique for technique in core.techniques() if not technique["test_only"]]
+
+
+def test_the_overview_tells_all_of_every_technique(root, offered, overview):
+    assert not (mistakes := find_overview_mistakes(offered, overview)), "\n".join(["run `make table`:", *mistakes])
+    for technique in offered:
+        assert (root / "docs" / "images" / f"{technique['id']}.png").is_file(), "run `make docs`"
+
+
+def make_results(techniques):
+    """What the benchmark of all techniques leaves, as far as the page uses it."""
+    records = [
+        {"technique": technique["id"], "lights": 2, "ratio_to_sm": 1.25, "counters": {"map_bytes": 8 * 10**6, "x": 9},
+         "errors": {"truth": technique["truth"], "footprint_texels": 3.0, "footprint_world": 0.0,
+                    "own": {"mean_absolute": 0.00125}}}
+        for technique in techniques
+    ]  # fmt: skip
+    runs = [{"scene": scene, "resolution": "HD (1280x720)", "records": records} for scene in ("one", "two")]
+    machine = {"processor": "P", "threads": 2, "gl_renderer": "R", "load_before": 0.1}
+    return {"state": "whole", "machine": machine, "tables": [{"id": "techniques", "runs": runs}]}
+
+
+def test_the_overview_is_made_whole_or_not_at_all(root, offered, monkeypatch):
+    monkeypatch.syspath_prepend(str(root / "scripts"))
+    make_page = importlib.import_module("make_technique_table").make_page
+    results = make_results(offered)
+    page = make_page(offered, results)
+    assert find_overview_mistakes(offered, page) == []
+    row = read_overview(page)["sm"]
+    assert (row["error, one"], row["time"], row["memory"]) == ("0.125", "1.25", "4.0 MB")
+    results["tables"][0]["runs"][1]["records"] = results["tables"][0]["runs"][1]["records"][:-1]
+    with pytest.raises(SystemExit, match=f"no figures of {offered[-1]['id']}"):
+        make_page(offered, results)
+    results["tables"][0]["runs"][1] = {"scene": "two", "failed": "no memory"}
+    with pytest.raises(SystemExit, match="two: no memory"):
+        make_page(offered, results)
+
+
+def test_what_the_overview_lacks_is_found(offered, overview):
+    row = next(line for line in overview.splitlines() if line.startswith(f"| [`{offered[-1]['id']}`]"))
+    cells = row.split(" | ")
+    assert find_overview_mistakes(offered, overview.replace(row + "\n", "")) == [f"{offered[-1]['id']} has no row"]
+    assert find_overview_mistakes(offered[:-1], overview) == [f"{offered[-1]['id']} is no technique"]
+    for k in range(1, len(cells)):
+        poor = " | ".join([*cells[:k], "" if k < len(cells) - 1 else "|", *cells[k + 1 :]])
+        assert find_overview_mistakes(offered, overview.replace(row, poor)), cells[k]
 
 
 @pytest.fixture(scope="module")

@@ -63,6 +63,7 @@ struct TechniqueDescriptor {
     std::vector<ParameterSpec> parameters;
     std::vector<OutputSpec> outputs;  ///< outputs[0].id == "visibility"
     std::vector<LightKind> lights;    ///< kinds served
+    std::string meshes;               ///< what casters must be like, in a few words: "any", "closed", ...
     std::string limits;               ///< one sentence: when it fails
     bool test_only = false;           ///< not offered to users (probe)
     std::function<TechniqueNeeds(const ParameterValues&)> needs;

@@ -93,6 +93,7 @@ TechniqueDescriptor describe_afsm() {
                         .help("Places in the pixel that are tested and averaged; 1 is its centre")};
     d.outputs = visibility_output();
     d.lights = all_light_kinds();
+    d.meshes = "any";
     d.limits = "Many receivers in a texel, and long thin casters, cost time";
     d.needs = [](const ParameterValues& values) { return map_needs(values); };
     d.truth = [](const ParameterValues& values) {

@@ -126,6 +126,7 @@ void ReceiverLists::draw(Engine& engine, const Task& task, std::vector<std::uint
         std::min(engine.limits().max_ssbo_bytes / sizeof(ListReceiver), kMostGroups * kInsertGroup);
     fit(engine, side, std::min(total, most));
     engine.count("map_bytes", byte_size());
+    engine.count("list_bytes", std::int64_t(task.sorted.byte_size() + receivers.size() * sizeof(ListReceiver)));
     for (std::size_t first = 0; first < total; first += most) {
         engine.check_cancelled();
         const Slice slice{task, first, std::min(most, total - first), visible};

@@ -26,7 +26,8 @@ public:
         const ReceiverTiles& sorted;
     };
     /// Sets visible[pixel] = 0 for the receivers of the view that a caster shadows. Counts "receivers",
-    /// "caster_triangles", "list_tests", "open_pairs" (settled in double), "redraws", "map_bytes".
+    /// "caster_triangles", "list_tests", "open_pairs" (settled in double), "redraws", "map_bytes",
+    /// "list_bytes".
     void draw(Engine& engine, const Task& task, std::vector<std::uint8_t>& visible);
 
 private:

@@ -31,19 +31,6 @@ EdgeOrder edge_order(const std::string& id) {
     return EdgeOrder::Corrected;
 }
 
-EdgeDistanceOptions edge_options(const ParameterValues& values) {
-    const bool thesis = is_thesis(values);
-    EdgeDistanceOptions options;
-    options.order = edge_order(values.get_enum("edge_order"));
-    options.own_texel_test = thesis;
-    options.edges.silhouettes.skip_concave = !thesis;
-    options.edges.silhouettes.skip_two_sided = !thesis;
-    options.edges.foreshortened = values.get_enum("quads") == "perspective";
-    // An edge matters to texels whose 2 x 2 footprint it crosses, and as far as the soft kernel looks.
-    options.edges.reach_texels = (thesis ? 1.0 : kFootprintDiagonal) + 0.5 * values.get_float("softness");
-    return options;
-}
-
 class EDSM final : public Technique {
 public:
     void prepare(Engine& engine, const ParameterValues& parameters) override {
@@ -59,7 +46,7 @@ public:
     void render(Engine& engine, const LightTask& task, LayerOutputs& outputs) override {
         const LightPosition& position = task.positions.front();
         const Scene& scene = *task.frame.scene;
-        const EdgeDistanceOptions options = edge_options(task.parameters);
+        const EdgeDistanceOptions options = edsm_edge_options(task.parameters);
         const double slope = is_thesis(task.parameters) ? kThesisSlopeFactor : kReceiverPlaneSlopeFactor;
         const auto depth_map = render_depth_map(engine, scene, position, slope);
         const auto edge_map = render_edge_distance_map(engine, finder_, scene, position, *depth_map, options);
@@ -109,6 +96,19 @@ std::vector<ParameterSpec> edsm_parameters() {
 
 }  // namespace
 
+EdgeDistanceOptions edsm_edge_options(const ParameterValues& values) {
+    const bool thesis = is_thesis(values);
+    EdgeDistanceOptions options;
+    options.order = edge_order(values.get_enum("edge_order"));
+    options.own_texel_test = thesis;
+    options.edges.silhouettes.skip_concave = !thesis;
+    options.edges.silhouettes.skip_two_sided = !thesis;
+    options.edges.foreshortened = values.get_enum("quads") == "perspective";
+    // An edge matters to texels whose 2 x 2 footprint it crosses, and as far as the soft kernel looks.
+    options.edges.reach_texels = (thesis ? 1.0 : kFootprintDiagonal) + 0.5 * values.get_float("softness");
+    return options;
+}
+
 TechniqueDescriptor describe_edsm() {
     TechniqueDescriptor d;
     d.id = "edsm";
@@ -118,12 +118,13 @@ TechniqueDescriptor describe_edsm() {
     d.parameters = edsm_parameters();
     d.outputs = visibility_output();
     d.lights = all_light_kinds();
+    d.meshes = "any; where surfaces cut each other there is no edge, and the depth tests decide";
     d.limits =
         "Where two edges fall into one texel, or a caster is thinner than one, it is no better than the shadow map";
     d.needs = [](const ParameterValues& values) {
         // The soft kernel sees edges as far as their quads reach, and asks the map beside them.
         const bool soft = values.get_float("softness") > 0;
-        return map_needs(values, soft ? int(std::ceil(edge_options(values).edges.reach_texels)) : 0);
+        return map_needs(values, soft ? int(std::ceil(edsm_edge_options(values).edges.reach_texels)) : 0);
     };
     return d;
 }

@@ -47,6 +47,8 @@ public:
     Result find(Engine& engine, const Frame& frame, const PenumbraSettings& settings, const gl::Texture& hard_tx,
                 const gl::Texture* depth_map_tx);
 
+    std::size_t byte_size() const { return candidates_.byte_size() + sites_.byte_size(); }
+
 private:
     void prepare_targets(Engine& engine, const Frame& frame);
     PictureTiles find_candidates(Engine& engine, const gl::Texture& hard_tx);

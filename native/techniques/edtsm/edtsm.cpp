@@ -84,6 +84,7 @@ public:
         blocks_.bind(engine, task, settings_);
         const auto sites = sites_.find(engine, task.frame, settings_, hard_tx, map ? map->texture.get() : nullptr);
         engine.count("border_sites", sites.site_count);
+        engine.count("picture_bytes", std::int64_t(sites_.byte_size()));
         if (sites.site_count == 0) {
             outputs.set("visibility", hard_tx);
             return;
@@ -128,6 +129,7 @@ private:
         frame.normal_tx->bind(kNormalUnit);
         draw_penumbra(engine, hard_tx, sites.border_tx, nearest_tx, tiles);
         filter(engine, hard_tx, tiles, bound_px);
+        engine.count("picture_bytes", std::int64_t(transform_.byte_size() + soft_.byte_size() + rows_.byte_size()));
         return whole_.texture();
     }
 
@@ -224,6 +226,7 @@ TechniqueDescriptor describe_edtsm() {
     d.parameters = edtsm_parameters();
     d.outputs = visibility_output();
     d.lights = all_light_kinds();
+    d.meshes = "any";
     d.limits = "Knows few borders at a time, and only those that the camera sees";
     d.needs = [](const ParameterValues& values) {
         const Source source = make_source(values);

@@ -71,6 +71,7 @@ TechniqueDescriptor describe_esm() {
     d.parameters = esm_parameters();
     d.outputs = visibility_output();
     d.lights = all_light_kinds();
+    d.meshes = "any";
     d.needs = prefilter_needs;
     d.truth = prefilter_truth;
     d.check = [](const ParameterValues& values) { check_exponent("esm", "exponent", values, kMostExponent16); };

@@ -89,6 +89,7 @@ TechniqueDescriptor describe_evsm() {
     d.parameters = evsm_parameters();
     d.outputs = visibility_output();
     d.lights = all_light_kinds();
+    d.meshes = "any";
     d.needs = prefilter_needs;
     d.truth = prefilter_truth;
     d.check = [](const ParameterValues& values) {

@@ -38,6 +38,7 @@ TechniqueDescriptor describe_exact() {
     d.parameters = {map_size_parameter()};
     d.outputs = visibility_output();
     d.lights = all_light_kinds();
+    d.meshes = "any";
     d.limits = "Long thin casters over many receivers cost time";
     d.needs = [](const ParameterValues& values) { return map_needs(values); };
     return d;

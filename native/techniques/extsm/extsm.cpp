@@ -128,6 +128,7 @@ TechniqueDescriptor describe_extsm() {
     d.outputs = visibility_output();
     d.outputs.push_back({"intensity", "Intensity", 1, "Visibility times the attenuation with distance"});
     d.lights = all_light_kinds();
+    d.meshes = "any; where surfaces cut each other there is no edge, and the depth tests decide";
     d.limits = "As the paper reads, shadows are most of a texel too wide; where edges cross in a texel, one is lost";
     d.needs = [](const ParameterValues& values) { return map_needs(values); };
     return d;

@@ -128,7 +128,7 @@ private:
                 const auto timer = engine.time_stage("pixel_texel_pairs");
                 pairs = make_pairs(facets, 0, task.frame, view, places_, engine.threads());
                 engine.count("pixel_texel_pairs", std::int64_t(pairs.pairs.size()));
-                engine.count("map_bytes", std::int64_t(pairs.byte_size()));
+                engine.count("list_bytes", std::int64_t(pairs.byte_size()));
             }
             const auto timer = engine.time_stage("visibility_masks");
             draw_casters_over_pairs(engine, task.frame, view, pairs, samples, contacts, facets);
@@ -191,6 +191,7 @@ TechniqueDescriptor describe_fsasm() {
     d.parameters = list_parameters();
     d.outputs = visibility_output();
     d.lights = all_light_kinds();
+    d.meshes = "any";
     d.limits = "A pixel is taken as flat: where surfaces bend within it, samples are lost or shadows are a bit off";
     d.truth = [](const ParameterValues&) { return TruthSpec{TruthKind::Pixel}; };
     d.needs = [](const ParameterValues& values) {

@@ -78,6 +78,7 @@ TechniqueDescriptor describe_msm() {
     d.parameters = msm_parameters();
     d.outputs = visibility_output();
     d.lights = all_light_kinds();
+    d.meshes = "any";
     d.needs = prefilter_needs;
     d.truth = prefilter_truth;
     return d;

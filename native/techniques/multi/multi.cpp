@@ -63,6 +63,7 @@ public:
         const std::vector<LightPosition>& positions = task.positions;
         sums_.fit(engine, task.frame.width, task.frame.height, {GL_RG32F}, "weighted visibility");
         sums_.framebuffer().clear_color(0, 0, 0);
+        engine.count("picture_bytes", std::int64_t(sums_.byte_size()));
         // All alike: a light without size.
         const std::size_t count = positions.front().is_same_place(positions.back()) ? 1 : positions.size();
         for (std::size_t i = 0; i < count; ++i) {
@@ -145,6 +146,7 @@ TechniqueDescriptor describe_multi() {
     };
     d.outputs = visibility_output();
     d.lights = all_light_kinds();
+    d.meshes = "any";
     d.limits = "As many grey levels as positions; the time grows with them";
     d.needs = [](const ParameterValues& values) {
         TechniqueNeeds needs = find_inner_needs(values.get_enum("technique"), inner_values(values));

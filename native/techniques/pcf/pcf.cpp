@@ -108,6 +108,7 @@ TechniqueDescriptor describe_pcf() {
     d.parameters = pcf_parameters();
     d.outputs = visibility_output();
     d.lights = all_light_kinds();
+    d.meshes = "any";
     d.limits = "The border's width follows the map's texels, not the light's size";
     d.needs = [](const ParameterValues& values) { return map_needs(values, window_reach(values)); };
     d.truth = pcf_truth;

@@ -48,6 +48,7 @@ TechniqueDescriptor describe_rpcf_rsmss() {
     d.parameters = revectorised_filter_parameters({channels_parameter()});
     d.outputs = visibility_output();
     d.lights = all_light_kinds();
+    d.meshes = "any";
     d.limits = "The border's width follows the map's texels, not the light's size";
     d.needs = [](const ParameterValues& values) { return map_needs(values, read_settings(values).reach()); };
     d.truth = revectorised_filter_truth;

@@ -40,6 +40,7 @@ TechniqueDescriptor describe_rpcf_smsr() {
     d.parameters = revectorised_filter_parameters({});
     d.outputs = visibility_output();
     d.lights = all_light_kinds();
+    d.meshes = "any";
     d.limits = "Shadows are half a texel too large; a small kernel shows bands";
     d.needs = [](const ParameterValues& values) {
         return map_needs(values, revectorised_filter_settings(values).reach());

@@ -63,6 +63,7 @@ TechniqueDescriptor describe_rsmss() {
     d.parameters = rsmss_parameters();
     d.outputs = visibility_output();
     d.lights = all_light_kinds();
+    d.meshes = "any";
     d.limits = "The ramp is a texel wide, whatever the light; borders at 30 to 60 degrees to the map stay stepped";
     d.needs = revectorisation_needs;
     d.truth = rsmss_truth;

@@ -46,6 +46,7 @@ TechniqueDescriptor describe_sm() {
     d.parameters = {map_size_parameter()};
     d.outputs = visibility_output();
     d.lights = all_light_kinds();
+    d.meshes = "any";
     d.limits = "Borders are stepped by the map's texels; casters thinner than a texel break up";
     d.needs = [](const ParameterValues& values) { return map_needs(values); };
     return d;

@@ -44,6 +44,7 @@ TechniqueDescriptor describe_smsr() {
     d.parameters = revectorisation_parameters({hard_border_parameter()});
     d.outputs = visibility_output();
     d.lights = all_light_kinds();
+    d.meshes = "any";
     d.limits =
         "Borders are half a texel too dark, but in mode half; details of a texel's size vanish or turn to points";
     d.needs = revectorisation_needs;

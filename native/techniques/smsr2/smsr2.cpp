@@ -94,6 +94,7 @@ TechniqueDescriptor describe_smsr2() {
     d.parameters = revectorisation_parameters({hard_border_parameter()});
     d.outputs = visibility_output();
     d.lights = all_light_kinds();
+    d.meshes = "any";
     d.limits = "As SMSR; where surfaces of different height share a texel, each pixel answers for its own";
     d.needs = revectorisation_needs;
     return d;

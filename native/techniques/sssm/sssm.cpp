@@ -55,6 +55,7 @@ TechniqueDescriptor describe_sssm() {
     d.parameters = {map_size_parameter()};
     d.outputs = visibility_output();
     d.lights = all_light_kinds();
+    d.meshes = "any; where surfaces cut each other there is no edge, and the depth tests decide";
     d.limits = "One point per texel: where two silhouettes cross a texel, one of them is lost";
     d.needs = [](const ParameterValues& values) { return map_needs(values); };
     return d;

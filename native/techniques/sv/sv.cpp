@@ -39,6 +39,7 @@ TechniqueDescriptor describe_sv() {
     d.reference = "Everitt02";
     d.outputs = visibility_output();
     d.lights = all_light_kinds();
+    d.meshes = "any";
     d.limits = "Many silhouette edges cost time: each makes a side across the picture";
     d.needs = [](const ParameterValues&) { return TechniqueNeeds{}; };
     return d;

@@ -37,6 +37,7 @@ std::vector<float> VolumeCounter::compute_visibility() {
     const auto timer = engine_.time_stage("shadow_volumes");
     polygons_.resize(kChunk);
     ranges_.resize(kChunk);
+    count_bytes();
     const Scene& scene = *frame_.scene;
     for (std::uint32_t i = 0; i < scene.instances.size(); ++i) {
         const Instance& instance = scene.instances[i];
@@ -82,6 +83,12 @@ bool VolumeCounter::find_receivers() {
     }
     engine_.count("receivers", total);
     return total > 0;
+}
+
+void VolumeCounter::count_bytes() {
+    const std::size_t per_pixel = 3 * sizeof(double) + sizeof counts_.front() + sizeof decided_.front();
+    const std::size_t per_polygon = sizeof(VolumePolygon) + sizeof(RowRange);
+    engine_.count("list_bytes", std::int64_t(per_pixel * counts_.size() + per_polygon * polygons_.size()));
 }
 
 void VolumeCounter::draw_instance(std::uint32_t instance) {

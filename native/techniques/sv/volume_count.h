@@ -23,7 +23,8 @@ public:
                   const LightPosition& position);
 
     /// 1 = the light reaches the receiver, by pixel; by lights/facing.h where no caster decides.
-    /// Counts "receivers", "silhouette_edges", "volume_quads" and "cap_triangles" (of those that the picture may show).
+    /// Counts "receivers", "list_bytes", "silhouette_edges", "volume_quads" and "cap_triangles" (of those that the
+    /// picture may show).
     std::vector<float> compute_visibility();
 
 private:
@@ -31,6 +32,7 @@ private:
         int begin = 0, end = 0;
     };
     bool find_receivers();
+    void count_bytes();
     void draw_instance(std::uint32_t instance);
     void flush();
     void draw_band(int row_begin, int row_end);
