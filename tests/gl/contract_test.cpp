@@ -130,7 +130,8 @@ TEST_P(Contract, TellsTheMemoryThatItHolds) {
     SceneView view = random_scene(3, 96, 54);
     view.scene->lights = {light_above()};
     std::int64_t bytes = 0;
-    for (const auto& [name, count] : render(shared_session(), request_for(view)).at(0).stats.counters)
+    const auto layers = render(shared_session(), request_for(view));
+    for (const auto& [name, count] : layers.at(0).stats.counters)
         if (name.ends_with("_bytes")) bytes += count;
     EXPECT_GT(bytes, 0);
 }
