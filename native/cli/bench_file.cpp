@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <ctime>
 
 #include "cli/bench_errors.h"
 #include "cli/jobs.h"
@@ -68,6 +69,7 @@ FileBench::FileBench(const Options& options, const std::filesystem::path& path, 
     : options_(options), path_(path), stop_(stop), file_(open_scene_file(path, options)) {
     const std::vector<std::uint32_t> lights = choose_lights(file_, options.lights);
     light_count_ = lights.size();
+    if (options.rays) rays_ = std::make_unique<RayBench>(options.threads);
     try {
         rows_ = make_bench_rows(options, file_, lights);
     } catch (const InputError& error) {
@@ -106,16 +108,25 @@ void FileBench::run(Progress& progress, double fraction_start, double fraction_e
             if (!session_) open_session();
             render(row, round >= options_.warm_up);
         }
+        if (rays_) {
+            stop_.check();
+            rays_->measure(*session_, make_next_request(rows_.front()), round >= options_.warm_up);
+        }
     }
     if (!options_.errors) return;
     measure_errors(*session_, rows_, options_.threads, stop_.flag(),
                    [&](double fraction) { tell(timed + (1 - timed) * fraction, "errors"); });
 }
 
-void FileBench::render(BenchRow& row, bool counts) {
+/// Every render of every row differs from all before, or a row would find the maps of the one before it.
+RenderRequest FileBench::make_next_request(const BenchRow& row) {
     RenderRequest request = row.request;
-    // Every render of every row differs from all before, or a row would find the maps of the one before it.
     if (options_.mode == BenchMode::Frame) move_a_trifle(request, ++step_);
+    return request;
+}
+
+void FileBench::render(BenchRow& row, bool counts) {
+    const RenderRequest request = make_next_request(row);
     std::map<std::string, double> cpu, gl;
     const auto add = [&](const RenderStats& stats, const std::string& prefix) {
         for (const StageTime& time : stats.times) {
@@ -125,6 +136,7 @@ void FileBench::render(BenchRow& row, bool counts) {
     };
     double layers_ms = 0;
     std::map<std::string, std::int64_t> counters;
+    const std::clock_t processor_start = std::clock();
     const Clock::time_point start = Clock::now();
     const FrameResult result = session_->render(request, [&](Layer&& layer) {
         layers_ms += layer.stats.total_ms;
@@ -132,9 +144,11 @@ void FileBench::render(BenchRow& row, bool counts) {
         for (const auto& [name, count] : layer.stats.counters) counters[name] += count;
     });
     const double render_ms = elapsed_ms(start);
+    const double processor_ms = 1e3 * double(std::clock() - processor_start) / CLOCKS_PER_SEC;
     add(result.stats, "frame: ");
     if (!counts) return;
     row.render_ms.push_back(render_ms);
+    row.processor_ms.push_back(processor_ms);
     row.frame_ms.push_back(result.stats.total_ms);
     row.layers_ms.push_back(layers_ms);
     for (const auto& [stage, ms] : cpu) {

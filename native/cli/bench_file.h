@@ -7,6 +7,7 @@
 #include <memory>
 #include <mutex>
 
+#include "cli/bench_rays.h"
 #include "cli/bench_rows.h"
 #include "cli/progress.h"
 #include "io/scene_file.h"
@@ -41,12 +42,15 @@ public:
     const std::filesystem::path& path() const { return path_; }
     const io::SceneFile& file() const { return file_; }
     const std::vector<BenchRow>& rows() const { return rows_; }
+    /// Embree's, if they were asked for.
+    const RayBench* rays() const { return rays_.get(); }
     std::size_t light_count() const { return light_count_; }
     const SessionInfo& info() const { return info_; }
 
 private:
     void open_session();
     void close_session();
+    RenderRequest make_next_request(const BenchRow& row);
     void render(BenchRow& row, bool counts);
 
     const Options& options_;
@@ -56,6 +60,7 @@ private:
     std::size_t light_count_ = 0;
     std::vector<BenchRow> rows_;
     std::unique_ptr<Session> session_;
+    std::unique_ptr<RayBench> rays_;
     SessionInfo info_;
     int step_ = 0;
 };

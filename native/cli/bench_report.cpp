@@ -95,6 +95,13 @@ void print_row(const BenchRow& row, const BenchRow* reference) {
     }
 }
 
+void print_rays(const RayBench& rays) {
+    for (const RayRow& row : rays.rows())
+        std::printf("  %-10s %-34s list %.2f, build %.2f, trace %.2f, %zu rays\n", "embree", row.name.c_str(),
+                    compute_median(row.list_ms), compute_median(row.build_ms), compute_median(row.trace_ms),
+                    row.receivers);
+}
+
 }  // namespace
 
 void print_bench(const FileBench& bench, const Options& options) {
@@ -105,7 +112,22 @@ void print_bench(const FileBench& bench, const Options& options) {
     std::printf("  %-10s %-34s %10s %19s %9s %9s %8s%s\n", "", "settings", "render", "", "frame", "layers", "ratio",
                 options.errors ? "  error" : "");
     for (const BenchRow& row : bench.rows()) print_row(row, find_reference_row(bench.rows(), row));
+    if (bench.rays()) print_rays(*bench.rays());
     std::fflush(stdout);
+}
+
+json rays_to_json(const FileBench& bench) {
+    json list = json::array();
+    if (!bench.rays()) return list;
+    for (const RayRow& row : bench.rays()->rows())
+        list.push_back({{"file", bench.path().filename().string()},
+                        {"name", row.name},
+                        {"list_ms", spread_to_json(row.list_ms)},
+                        {"build_ms", spread_to_json(row.build_ms)},
+                        {"trace_ms", spread_to_json(row.trace_ms)},
+                        {"processor_ms", spread_to_json(row.processor_ms)},
+                        {"receivers", row.receivers}});
+    return list;
 }
 
 json bench_to_json(const FileBench& bench) {
@@ -125,6 +147,7 @@ json bench_to_json(const FileBench& bench) {
                         {"triangles", count_triangles(*file.scene)},
                         {"lights", bench.light_count()},
                         {"render_ms", spread_to_json(row.render_ms)},
+                        {"processor_ms", spread_to_json(row.processor_ms)},
                         {"frame_ms", spread_to_json(row.frame_ms)},
                         {"layers_ms", spread_to_json(row.layers_ms)},
                         {"time_ms", medians_to_json(row.cpu_ms)},

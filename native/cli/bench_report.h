@@ -14,4 +14,7 @@ void print_bench(const FileBench& bench, const Options& options);
 /// One record per row: settings, spread of the times, by stage too, ratios to sm, counters, errors.
 nlohmann::json bench_to_json(const FileBench& bench);
 
+/// One record for each way that Embree was asked; empty without --rays.
+nlohmann::json rays_to_json(const FileBench& bench);
+
 }  // namespace shadow_layers::cli

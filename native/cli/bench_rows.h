@@ -39,6 +39,7 @@ struct BenchRow {
     ParameterValues given, resolved;
     RenderRequest request;
     std::vector<double> render_ms, frame_ms, layers_ms;
+    std::vector<double> processor_ms;  ///< of all threads, the software rasteriser's too: a busy machine blurs it less
     std::map<std::string, std::vector<double>> cpu_ms, gl_ms;  ///< by stage: "frame: ..." or the layer's stage
     /// By stage, the longer of both: a software rasteriser works on after the call has returned.
     std::map<std::string, std::vector<double>> stage_ms;

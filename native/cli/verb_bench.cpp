@@ -29,7 +29,8 @@ void run_bench(const Options& options) {
     if (options.errors && !can_measure_errors())
         throw InputError("--errors: this shadowcore was built without Embree; build it with SHADOW_LAYERS_EMBREE=ON");
     check_output(options.json);
-    nlohmann::json document = nlohmann::json::object(), records = nlohmann::json::array();
+    nlohmann::json document = nlohmann::json::object(), records = nlohmann::json::array(),
+                   rays = nlohmann::json::array();
     const HeldSignals signals;
     BenchStop stop;
     const Interrupt interrupt(signals, [&] { stop.request(); });
@@ -45,6 +46,7 @@ void run_bench(const Options& options) {
             document["threads"] = bench.info().threads;
         }
         for (auto& record : bench_to_json(bench)) records.push_back(std::move(record));
+        for (auto& record : rays_to_json(bench)) rays.push_back(std::move(record));
     }
     document["schema"] = "shadow-layers-bench";
     document["schema_version"] = 2;
@@ -52,6 +54,7 @@ void run_bench(const Options& options) {
     document["warm_up"] = options.warm_up;
     document["repeat"] = options.repeat;
     document["records"] = std::move(records);
+    document["rays"] = std::move(rays);
     if (!options.json.empty()) io::write_whole_file(options.json, document.dump(1) + "\n");
 }
 

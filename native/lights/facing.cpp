@@ -7,25 +7,16 @@
 namespace shadow_layers {
 
 FacingRule::FacingRule(const Frame& frame, const Light& light, const LightPosition& position)
-    : frame_(frame),
-      light_(light),
-      directional_(position.directional),
-      cone_cos_(position.cone_cos),
-      cone_sin_(position.cone_sin),
-      axes_(position.axes_ws),
-      to_light_(position.to_light_ws),
-      light_rel_(position.position_ws - frame.origin_ws) {}
-
-bool FacingRule::is_linked(std::uint32_t instance) const {
-    return (light_.receiver_set >> frame_.scene->instances[instance].receiver_group) & 1u;
-}
-
-Facing FacingRule::classify(std::size_t pixel) const {
-    if (!frame_.coverage[pixel] || frame_.ids[pixel].instance == kNoId) return Facing::Background;
-    const glm::dvec3 to_light = get_to_light(pixel);
-    if (!is_in_cone(to_light)) return Facing::OutsideCone;
-    if (!is_linked(frame_.ids[pixel].instance)) return Facing::Unlinked;
-    return glm::dot(glm::dvec3(frame_.normals[pixel]), to_light) > 0 ? Facing::Lit : Facing::TurnedAway;
+    : frame_(frame), light_(light) {
+    const glm::dvec3 place = position.position_ws - frame.origin_ws;
+    source_.directional = position.directional;
+    source_.cone_cos = position.cone_cos;
+    source_.cone_sin = position.cone_sin;
+    for (int i = 0; i < 3; ++i) {
+        source_.to_light[i] = position.to_light_ws[i];
+        source_.place[i] = place[i];
+        for (int axis = 0; axis < 3; ++axis) source_.axes[axis][i] = position.axes_ws[axis][i];
+    }
 }
 
 double FacingRule::get_weight(std::size_t pixel) const {
@@ -33,7 +24,8 @@ double FacingRule::get_weight(std::size_t pixel) const {
     const double apart = glm::length(to_light);
     const double cosine = glm::dot(glm::dvec3(frame_.normals[pixel]), to_light) / apart;
     if (light_.kind != LightKind::Area) return cosine;
-    return cosine * glm::dot(axes_[2], to_light) / (apart * apart * apart);
+    const glm::dvec3 axis(source_.axes[2][0], source_.axes[2][1], source_.axes[2][2]);
+    return cosine * glm::dot(axis, to_light) / (apart * apart * apart);
 }
 
 void fill_unoccluded_visibility(const Frame& frame, const Light& light, std::span<const LightPosition> positions,

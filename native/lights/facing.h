@@ -6,6 +6,7 @@
 #include <glm/glm.hpp>
 #include <span>
 
+#include "lights/facing_formulas.h"
 #include "lights/light_views.h"
 
 namespace shadow_layers {
@@ -23,39 +24,53 @@ enum class Facing : std::uint8_t {
 /// Visibility where nothing occludes: 0 on faces turned away, else 1.
 inline float get_unoccluded_visibility(Facing facing) { return facing == Facing::TurnedAway ? 0.0f : 1.0f; }
 
-/// The rule for one frame and one light position, in double. THE place that defines it: shaders/lib mirrors it.
+/// The rule for one frame and one light position, in double. THE place that defines it, with facing_formulas.h:
+/// shaders/lib mirrors it.
 class FacingRule {
 public:
     /// Both arguments must outlive the rule.
     FacingRule(const Frame& frame, const Light& light, const LightPosition& position);
 
-    Facing classify(std::size_t pixel) const;
+    Facing classify(std::size_t pixel) const {
+        if (!is_receiver(pixel)) return Facing::Background;
+        const glm::dvec3 to_light = get_to_light(pixel);
+        return decide(pixel, is_in_cone(to_light), glm::dot(glm::dvec3(frame_.normals[pixel]), to_light) > 0);
+    }
+    /// The same for a caller that has found the receiver's place by facing_formulas.h.
+    Facing decide(std::size_t pixel, bool in_cone, bool turned_to_light) const {
+        if (!is_receiver(pixel)) return Facing::Background;
+        if (!in_cone) return Facing::OutsideCone;
+        if (!is_linked(frame_.ids[pixel].instance)) return Facing::Unlinked;
+        return turned_to_light ? Facing::Lit : Facing::TurnedAway;
+    }
 
     /// From the receiver to the light: a unit vector for a sun, else the unscaled difference.
     glm::dvec3 get_to_light(std::size_t pixel) const {
-        return directional_ ? to_light_ : light_rel_ - glm::dvec3(frame_.positions_rel[pixel]);
+        const glm::vec3& p = frame_.positions_rel[pixel];
+        const facing::Vector<double> to_light = facing::find_to_light<double>(source_, {p.x, p.y, p.z});
+        return {to_light.x, to_light.y, to_light.z};
     }
-    /// Is the direction inside the cone (half-space of an area light)? The rim is inside. Decided by the way across
-    /// the axis, not by the cosine: a spot as narrow as 1e-6 keeps its rim. `slack` widens the cone by that part of it,
-    /// so that who computes in float never sees a pixel that a fit left out.
+    /// Is the direction inside the cone (half-space of an area light)? The rim is inside. `slack` widens the cone by
+    /// that part of it, so that who computes in float never sees a pixel that a fit left out.
     bool is_in_cone(const glm::dvec3& to_light, double slack = 0) const {
-        if (cone_cos_ <= -1) return true;
-        const glm::dvec2 across(glm::dot(axes_[0], to_light), glm::dot(axes_[1], to_light));
-        const double along = glm::dot(axes_[2], to_light);
-        return glm::length(across) * cone_cos_ <= (along + slack * glm::length(to_light)) * cone_sin_;
+        return source_.cone_cos <= -1 ||
+               facing::is_in_cone<double>(source_, {to_light.x, to_light.y, to_light.z}, slack);
     }
-    bool is_linked(std::uint32_t instance) const;
+    bool is_linked(std::uint32_t instance) const {
+        return light_.receiver_set == kAllGroups ||
+               ((light_.receiver_set >> frame_.scene->instances[instance].receiver_group) & 1u);
+    }
     /// What this position of the light brings to a pixel that it lights, against the light's other positions: by the
     /// cosine at the receiver; of an area light also by that at the light and by the distance.
     double get_weight(std::size_t pixel) const;
+    const facing::Source& source() const { return source_; }
 
 private:
+    bool is_receiver(std::size_t pixel) const { return frame_.coverage[pixel] && frame_.ids[pixel].instance != kNoId; }
+
     const Frame& frame_;
     const Light& light_;
-    bool directional_;
-    double cone_cos_, cone_sin_;
-    glm::dmat3 axes_;
-    glm::dvec3 to_light_, light_rel_;
+    facing::Source source_;
 };
 
 /// The layer of a light that casts no shadows: get_unoccluded_visibility of every pixel. Of many positions those that

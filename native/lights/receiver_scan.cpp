@@ -45,7 +45,6 @@ ReceiverScan::ReceiverScan(const Frame& frame, const Light& light, const LightPo
     : frame_(frame),
       rule_(frame, light, position),
       perspective_(!position.directional),
-      all_linked_(light.receiver_set == kAllGroups),
       frame_from_origin_(frame.origin_ws - origin_ws),
       threads_(threads) {}
 
@@ -55,7 +54,7 @@ bool ReceiverScan::find_receiver(std::size_t pixel, glm::dvec3& from_origin) con
     const double along = glm::dot(glm::dvec3(frame_.normals[pixel]), to_light);
     if (!(along > 0) && !(along * along < kFacingSlack * kFacingSlack * glm::dot(to_light, to_light))) return false;
     if (!rule_.is_in_cone(to_light, kConeSlack)) return false;
-    if (!all_linked_ && !rule_.is_linked(frame_.ids[pixel].instance)) return false;
+    if (!rule_.is_linked(frame_.ids[pixel].instance)) return false;
     from_origin = frame_from_origin_ + glm::dvec3(frame_.positions_rel[pixel]);
     return true;
 }

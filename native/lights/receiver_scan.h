@@ -39,7 +39,7 @@ private:
 
     const Frame& frame_;
     FacingRule rule_;
-    bool perspective_, all_linked_;
+    bool perspective_;
     glm::dvec3 frame_from_origin_;  ///< of the view: its origin to the frame's
     ThreadPool* threads_;
 };

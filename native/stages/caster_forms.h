@@ -9,6 +9,7 @@
 
 #include "lights/light_views.h"
 #include "shadow_layers/scene.h"
+#include "stages/tile_extent.h"
 #include "stages/tile_kernel.h"
 
 namespace shadow_layers {
@@ -19,17 +20,22 @@ public:
     CasterRow(const Scene& scene, const LightView& view);
     std::size_t size() const { return first_.back(); }
 
-    /// Sets up the triangle of this number over side x side tiles of the view: edge functions and depth as linear forms
-    /// in clip units, the tiles that it may touch, its ids. `margin`: by how many clip units a receiver may be off.
-    /// False if no tile is touched, or if the light sees the triangle edge-on, so that it casts nothing. With
-    /// `receivers_in_tile` (side x side counts), small triangles over empty tiles are left out too.
-    bool set_up(std::size_t number, int side, double margin, tile_kernel::CasterTriangle& triangle,
-                const std::uint32_t* receivers_in_tile = nullptr) const;
+    const std::vector<std::uint32_t>& instances() const { return view_.casters; }
+    /// Number of a caster's first triangle.
+    std::size_t first(std::size_t caster) const { return first_[caster]; }
+    const glm::dmat4& lc_from_object(std::size_t caster) const { return lc_from_object_[caster]; }
+
+    /// Sets up the triangles [begin, end) over the grid: edge functions and depth as linear forms in clip units, the
+    /// tiles that they may touch, their ids. Those that touch no tile are left out, and those that the light sees
+    /// edge-on, which cast nothing; with the grid's tiles also small ones that no receiver there lies behind. Returns
+    /// how many are left; `triangles` has room for end - begin.
+    std::size_t set_up(std::size_t begin, std::size_t end, const CasterGrid& grid,
+                       tile_kernel::CasterTriangle* triangles) const;
 
 private:
     const Scene& scene_;
     const LightView& view_;
-    std::vector<std::size_t> first_;          ///< number of each caster's first triangle; at the end, of all
+    std::vector<std::size_t> first_;          ///< at the end, of all
     std::vector<glm::dmat4> lc_from_object_;  ///< by caster
 };
 

@@ -3,11 +3,14 @@
 #include "stages/exact_visibility.h"
 
 #include <algorithm>
+#include <array>
 #include <atomic>
+#include <mutex>
 
+#include "scene/mesh_clusters.h"
+#include "stages/caster_clusters.h"
 #include "stages/caster_forms.h"
 #include "stages/occlusion_rule.h"
-#include "stages/receiver_tiles.h"
 #include "stages/tile_kernel.h"
 
 namespace shadow_layers {
@@ -15,80 +18,77 @@ namespace {
 
 using tile_kernel::CasterTriangle;
 
-// Triangles are set up and drawn in chunks, so that memory stays bounded.
-constexpr std::size_t kChunk = 1 << 16;
-constexpr std::size_t kSetupBlock = 1 << 10;
-constexpr int kBandCount = 16;
-constexpr std::size_t kOpenPairs = 1 << 12;
+// Clusters between two looks for a cancel. The first ones are few: what they shadow spares work on all others.
+constexpr std::size_t kFirstClusters = 1 << 6, kMostClusters = 1 << 9;
+// Triangles over more tiles than this are drawn by all threads together, in bands of rows.
+constexpr int kWideTiles = 1 << 12;
+constexpr std::size_t kBandRows = 4;
+constexpr std::size_t kOpenPairs = 1 << 8;
 
 class ViewDraw {
 public:
-    ViewDraw(Engine& engine, const Frame& frame, const LightView& view, const OcclusionRule& rule, ReceiverTiles tiles,
-             std::vector<std::uint8_t>& visible)
+    ViewDraw(Engine& engine, const Frame& frame, const LightView& view, const OcclusionRule& rule,
+             ReceiverTiles& receivers, std::vector<std::uint8_t>& visible)
         : engine_(engine),
           frame_(frame),
           rule_(rule),
-          sorted_(std::move(tiles)),
           visible_(visible),
-          casters_(*frame.scene, view) {}
+          casters_(*frame.scene, view),
+          // Places are off by this much at most; a tile's own bound is used where it counts.
+          grid_{receivers.side, 1e-9 + double(receivers.largest_place_error), receivers.tiles.data()},
+          tiles_{receivers.side, receivers.half_size, receivers.largest_place_error, receivers.tiles.data(),
+                 receivers.blocks} {}
 
     void draw() {
-        const std::size_t total = casters_.size();
-        triangles_.resize(std::min(kChunk, total));
-        engine_.count("list_bytes", std::int64_t(sorted_.byte_size() + triangles_.size() * sizeof(CasterTriangle)));
-        for (std::size_t begin = 0; begin < total; begin += kChunk) {
+        const std::vector<CasterCluster> clusters = list_clusters(engine_, *frame_.scene, casters_, grid_);
+        std::size_t at_once = kFirstClusters;
+        for (std::size_t first = 0; first < clusters.size();) {
             engine_.check_cancelled();
-            const std::size_t count = std::min(kChunk, total - begin);
-            set_up(begin, count);
-            draw_bands(count);
+            const std::size_t count = std::min(at_once, clusters.size() - first);
+            engine_.threads().parallel_for(count, 1,
+                                           [&](std::size_t i, std::size_t) { draw_cluster(clusters[first + i]); });
+            draw_wide();
+            first += count;
+            at_once = std::min(2 * at_once, kMostClusters);
         }
-        engine_.count("caster_triangles", std::int64_t(total));
+        engine_.count("caster_triangles", std::int64_t(casters_.size()));
         engine_.count("tile_tests", std::int64_t(tests_));
         engine_.count("open_pairs", std::int64_t(open_pairs_));
     }
 
 private:
-    void set_up(std::size_t begin, std::size_t count) {
-        // Places are bounded to this much; a tile's own bound is used where it counts.
-        const double margin = 1e-9 + double(sorted_.largest_place_error);
-        engine_.threads().parallel_for(count, kSetupBlock, [&](std::size_t from, std::size_t to) {
-            for (std::size_t slot = from; slot < to; ++slot) {
-                CasterTriangle& t = triangles_[slot];
-                if (!casters_.set_up(begin + slot, sorted_.side, margin, t, sorted_.count.data()))
-                    t.row_end = t.row_begin = 0;
-            }
-        });
+    void draw_cluster(const CasterCluster& cluster) {
+        if (!may_meet_receivers(cluster, grid_)) return;
+        std::array<CasterTriangle, kClusterTriangles> triangles;
+        const std::size_t count = casters_.set_up(cluster.begin, cluster.end, grid_, triangles.data());
+        std::size_t narrow = 0;
+        for (std::size_t i = 0; i < count; ++i) {
+            const CasterTriangle& t = triangles[i];
+            if (t.extent.tile_count() <= kWideTiles)
+                triangles[narrow++] = t;
+            else
+                keep_wide(t);
+        }
+        draw_rows(triangles.data(), narrow, 0, grid_.side);
     }
 
-    void draw_bands(std::size_t count) {
-        const int rows = (sorted_.side + kBandCount - 1) / kBandCount;
-        const std::size_t bands = std::size_t((sorted_.side + rows - 1) / rows);
-        engine_.threads().parallel_for(bands, 1, [&](std::size_t band, std::size_t) {
-            draw_band(count, int(band) * rows, std::min(int(band + 1) * rows, sorted_.side));
-        });
+    void keep_wide(const CasterTriangle& triangle) {
+        const std::lock_guard lock(wide_mutex_);
+        wide_.push_back(triangle);
     }
 
-    void draw_band(std::size_t count, int row_begin, int row_end) {
-        std::vector<std::uint32_t> order;
-        for (std::size_t i = 0; i < count; ++i)
-            if (triangles_[i].row_begin < row_end && triangles_[i].row_end > row_begin)
-                order.push_back(std::uint32_t(i));
-        std::vector<tile_kernel::OpenPair> open(kOpenPairs);
-        tile_kernel::Tiles tiles{sorted_.side,
-                                 sorted_.half_size,
-                                 sorted_.first.data(),
-                                 sorted_.count.data(),
-                                 sorted_.least_depth.data(),
-                                 sorted_.place_error.data(),
-                                 sorted_.depth_error.data(),
-                                 sorted_.x.data(),
-                                 sorted_.y.data(),
-                                 sorted_.depth.data(),
-                                 sorted_.pixel.data()};
-        static_assert(sizeof(PixelIds) == 2 * sizeof(std::uint32_t));
-        tile_kernel::Answers answers{
-            visible_.data(), &frame_.ids.data()->instance, open.data(), 0, open.size(), &ViewDraw::settle, this, 0};
-        draw_triangles_(triangles_.data(), order.data(), order.size(), row_begin, row_end, tiles, answers);
+    void draw_wide() {
+        if (wide_.empty()) return;
+        engine_.threads().parallel_for(std::size_t(grid_.side), kBandRows, [&](std::size_t begin, std::size_t end) {
+            draw_rows(wide_.data(), wide_.size(), int(begin), int(end));
+        });
+        wide_.clear();
+    }
+
+    void draw_rows(const CasterTriangle* triangles, std::size_t count, int row_begin, int row_end) {
+        std::array<tile_kernel::OpenPair, kOpenPairs> open;
+        tile_kernel::Answers answers{visible_.data(), open.data(), 0, open.size(), &ViewDraw::settle, this, 0};
+        build_.draw_triangles(triangles, count, row_begin, row_end, tiles_, answers);
         settle(this, answers);
         tests_ += answers.tests;
     }
@@ -98,10 +98,11 @@ private:
         self.open_pairs_ += answers.open_count;
         for (std::size_t i = 0; i < answers.open_count; ++i) {
             const tile_kernel::OpenPair& pair = answers.open[i];
-            if (!self.visible_[pair.pixel]) continue;
+            const std::atomic_ref<std::uint8_t> visible(self.visible_[pair.pixel]);
+            if (!visible.load(std::memory_order_relaxed)) continue;
             const glm::dvec3 receiver = self.rule_.find_receiver(pair.pixel);
             if (self.rule_.is_blocked(receiver, self.frame_.ids[pair.pixel], {pair.instance, pair.triangle}))
-                self.visible_[pair.pixel] = 0;
+                visible.store(0, std::memory_order_relaxed);
         }
         answers.open_count = 0;
     }
@@ -109,30 +110,33 @@ private:
     Engine& engine_;
     const Frame& frame_;
     const OcclusionRule& rule_;
-    ReceiverTiles sorted_;
     std::vector<std::uint8_t>& visible_;
-    CasterRow casters_;
-    std::vector<CasterTriangle> triangles_;
-    const tile_kernel::DrawTriangles draw_triangles_ = tile_kernel::choose_draw_triangles();
+    const CasterRow casters_;
+    const CasterGrid grid_;
+    const tile_kernel::Tiles tiles_;
+    std::mutex wide_mutex_;
+    std::vector<CasterTriangle> wide_;
+    const tile_kernel::Build& build_ = tile_kernel::choose_build();
     std::atomic<std::uint64_t> tests_{0}, open_pairs_{0};
 };
 
 }  // namespace
 
-std::vector<std::uint8_t> compute_exact_visibility(Engine& engine, const Frame& frame, const Light& light,
-                                                   const LightPosition& position, int most_tiles) {
-    SortedReceivers sorted;
+const std::vector<std::uint8_t>& ExactVisibility::compute(Engine& engine, const Frame& frame, const Light& light,
+                                                          const LightPosition& position, int most_tiles) {
     {
         const auto timer = engine.time_stage("receiver_tiles");
-        sorted = sort_receivers(frame, light, position, most_tiles, engine.threads());
+        sorter_.sort(frame, light, position, most_tiles, engine.threads());
+        engine.count("list_bytes", std::int64_t(sorter_.byte_size()));
     }
     const auto timer = engine.time_stage("caster_tiles");
     const OcclusionRule rule(frame, position);
     for (std::size_t view = 0; view < position.views.size(); ++view) {
-        engine.count("receivers", std::int64_t(sorted.views[view].receiver_count));
-        ViewDraw(engine, frame, position.views[view], rule, std::move(sorted.views[view]), sorted.visible).draw();
+        ReceiverTiles& receivers = sorter_.views()[view];
+        engine.count("receivers", std::int64_t(receivers.receiver_count));
+        ViewDraw(engine, frame, position.views[view], rule, receivers, sorter_.visible()).draw();
     }
-    return std::move(sorted.visible);
+    return sorter_.visible();
 }
 
 }  // namespace shadow_layers

@@ -8,17 +8,25 @@
 #include "engine/engine.h"
 #include "frame/frame.h"
 #include "lights/light_views.h"
+#include "stages/receiver_tiles.h"
 
 namespace shadow_layers {
 
 /// Exact hard visibility of one light position, on the CPU: the receivers are sorted into tiles of the light's views
-/// and the triangles are drawn over them. One byte per pixel of the frame: 1 = the light reaches the receiver. Faces
-/// turned away are 0; background, receivers outside the cone and unlinked ones are 1.
-///
-/// `most_tiles`: bound of the tiles per side, which are chosen by the picture's size. It changes the time, not the
-/// answer.
-/// Counts "receivers", "list_bytes", "caster_triangles", "tile_tests", "open_pairs" (settled in double).
-std::vector<std::uint8_t> compute_exact_visibility(Engine& engine, const Frame& frame, const Light& light,
-                                                   const LightPosition& position, int most_tiles);
+/// and the triangles are drawn over them. Keeps its memory from one frame to the next.
+class ExactVisibility {
+public:
+    /// One byte per pixel of the frame: 1 = the light reaches the receiver. Faces turned away are 0; background,
+    /// receivers outside the cone and unlinked ones are 1. Valid until the next call.
+    ///
+    /// `most_tiles`: bound of the tiles per side, which are chosen by the picture's size. It changes the time, not the
+    /// answer.
+    /// Counts "receivers", "list_bytes", "caster_triangles", "tile_tests", "open_pairs" (settled in double).
+    const std::vector<std::uint8_t>& compute(Engine& engine, const Frame& frame, const Light& light,
+                                             const LightPosition& position, int most_tiles);
+
+private:
+    ReceiverSorter sorter_;
+};
 
 }  // namespace shadow_layers

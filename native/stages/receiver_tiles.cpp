@@ -4,29 +4,29 @@
 
 #include <algorithm>
 #include <atomic>
+#include <bit>
 #include <cmath>
 #include <glm/gtc/matrix_transform.hpp>
-#include <limits>
+#include <utility>
 
 #include "base/thread_pool.h"
 #include "lights/facing.h"
+#include "stages/tile_bounds.h"
 
 namespace shadow_layers {
 namespace {
 
-constexpr std::size_t kPixelBlock = 1 << 13;
-constexpr std::size_t kTileBlock = 1 << 12;
-constexpr std::uint32_t kNoTile = 0xffffffffu;
-// A float position is off by half a unit in the last place on each axis; the root of 3 and a reserve make it this.
-constexpr double kPositionRounding = 1.0 / 8388608.0;  // 2^-23
-// Measured: about so many receivers a tile do best, if all pixels of the picture are receivers.
-constexpr double kReceiversPerTile = 8;
+using tile_kernel::ReceiverBlock;
+using tile_kernel::ReceiverLanes;
+using tile_kernel::Tile;
 
-struct Place {
-    float x, y, depth;
-    std::uint32_t tile = kNoTile, rank;  ///< rank: among the tile's receivers
-    std::uint8_t view;
-};
+constexpr std::uint32_t kLanes = ReceiverBlock::kLanes;
+// The picture is cut into parts that count the receivers of each tile by themselves: without a lock, and in few of them
+// because each has counts for all tiles.
+constexpr int kPartsPerThread = 2;
+constexpr std::size_t kMostParts = 32;
+// Measured: about so many receivers a tile do best, if all pixels of the picture are receivers.
+constexpr double kReceiversPerTile = 16;
 
 /// +X -X +Y -Y +Z -Z of the light's axes, as shaders/lib/facing_lib.glsl has it.
 int find_cube_face(const glm::dmat3& axes_ws, const glm::dvec3& direction_ws) {
@@ -40,145 +40,214 @@ int choose_side(std::size_t pixel_count) {
     return std::clamp(int(std::sqrt(double(pixel_count) / kReceiversPerTile)), 16, 1024);
 }
 
+/// Makes room for `count` values, with a reserve where what is there doesn't do; nothing is cleared.
+template <class T>
+void make_room(std::vector<T>& values, std::size_t count) {
+    if (values.size() < count || values.size() / 4 > count) values = std::vector<T>(count + count / 8);
+}
+
+}  // namespace
+
 /// Works on all views of a position at once.
-class Sorter {
+class ReceiverSorter::Run {
 public:
-    Sorter(const Frame& frame, const Light& light, const LightPosition& position, int most_tiles, ThreadPool& threads)
-        : frame_(frame), position_(position), rule_(frame, light, position), threads_(threads) {
+    Run(ReceiverSorter& sorter, const Frame& frame, const Light& light, const LightPosition& position, int most_tiles,
+        ThreadPool& threads)
+        : sorter_(sorter), frame_(frame), position_(position), rule_(frame, light, position), threads_(threads) {
         const glm::dmat4 ws_from_rel = glm::translate(glm::dmat4(1.0), frame.origin_ws);
-        sorted_.views.resize(position.views.size());
+        sorter.views_.resize(position.views.size());
         for (std::size_t k = 0; k < position.views.size(); ++k) {
-            view_of_face_[position.views[k].face] = int(k);
-            lc_from_rel_.push_back(position.views[k].lc_from_ws * ws_from_rel);
-            ReceiverTiles& tiles = sorted_.views[k];
-            tiles.side = std::clamp(most_tiles, 1, choose_side(frame.pixel_count()));
+            ReceiverTiles& tiles = sorter.views_[k];
+            tiles.side = std::clamp(most_tiles, 1, choose_side(frame.pixel_count() / position.views.size()));
             tiles.half_size = 1.0 / tiles.side;
-            tiles.count.assign(std::size_t(tiles.side) * std::size_t(tiles.side), 0);
+            tiles.tiles.resize(std::size_t(tiles.side) * std::size_t(tiles.side));
+            view_of_face_[position.views[k].face] = int(k);
+            rows_.push_back(glm::transpose(position.views[k].lc_from_ws * ws_from_rel));
+            projections_.push_back(make_projection(rows_.back(), tiles.side));
+            first_tile_.push_back(std::uint32_t(tile_count_));
+            tile_count_ += tiles.tiles.size();
         }
-        sorted_.visible.resize(frame.pixel_count());
-        places_.resize(frame.pixel_count());
+        part_count_ = std::min(std::size_t(kPartsPerThread * threads.thread_count()), kMostParts);
+        sorter.visible_.resize(frame.pixel_count());
+        make_room(sorter.places_, frame.pixel_count());
+        parts_.resize(part_count_);
+        sorter.offsets_.assign(part_count_ * tile_count_, 0);
     }
 
-    SortedReceivers sort() {
-        threads_.parallel_for(frame_.pixel_count(), kPixelBlock, [&](std::size_t begin, std::size_t end) {
-            float farthest = 0;
-            for (std::size_t pixel = begin; pixel < end; ++pixel)
-                if (place(pixel)) farthest = std::max(farthest, glm::length(frame_.positions_rel[pixel]));
-            std::atomic_ref<float> shared(farthest_);
-            float old = shared.load();
-            while (old < farthest && !shared.compare_exchange_weak(old, farthest)) {
-            }
-        });
-        for (ReceiverTiles& tiles : sorted_.views) set_runs(tiles);
-        threads_.parallel_for(frame_.pixel_count(), kPixelBlock, [&](std::size_t begin, std::size_t end) {
-            for (std::size_t pixel = begin; pixel < end; ++pixel) store(pixel);
-        });
-        for (std::size_t view = 0; view < sorted_.views.size(); ++view) bound_tiles(view);
-        return std::move(sorted_);
+    void sort() {
+        for_each_part([&](std::size_t part, std::size_t begin, std::size_t end) { place_part(part, begin, end); });
+        set_runs();
+        for_each_part([&](std::size_t part, std::size_t begin, std::size_t) { store_part(part, begin); });
+        double farthest = 0;
+        for (const Part& part : parts_) farthest = std::max(farthest, part.farthest);
+        for (std::size_t view = 0; view < sorter_.views_.size(); ++view)
+            bound_tiles(sorter_.views_[view], position_.views[view], rows_[view], farthest, threads_);
     }
 
 private:
-    /// False if the pixel needs no caster.
-    bool place(std::size_t pixel) {
-        places_[pixel].tile = kNoTile;
-        const Facing facing = rule_.classify(pixel);
-        sorted_.visible[pixel] = facing == Facing::TurnedAway ? 0 : 1;
-        if (facing != Facing::Lit) return false;
-        int view = sorted_.views.empty() ? -1 : 0;
-        if (position_.cube) view = view_of_face_[find_cube_face(position_.axes_ws, -rule_.get_to_light(pixel))];
-        if (view < 0) return false;
-        const glm::dvec4 lc = lc_from_rel_[std::size_t(view)] * glm::dvec4(frame_.positions_rel[pixel], 1.0);
-        if (!(lc.w > 0)) return false;
-        const glm::dvec3 ndc = glm::dvec3(lc) * (1 / lc.w);
-        if (!(std::abs(ndc.x) <= 1 && std::abs(ndc.y) <= 1)) return false;
-        ReceiverTiles& tiles = sorted_.views[std::size_t(view)];
-        const int column = std::min(int((ndc.x + 1) * 0.5 * tiles.side), tiles.side - 1);
-        const int row = std::min(int((ndc.y + 1) * 0.5 * tiles.side), tiles.side - 1);
-        const std::uint32_t tile = std::uint32_t(row) * std::uint32_t(tiles.side) + std::uint32_t(column);
-        const std::uint32_t rank =
-            std::atomic_ref<std::uint32_t>(tiles.count[tile]).fetch_add(1, std::memory_order_relaxed);
-        places_[pixel] = {float(ndc.x - tiles.middle(column)),
-                          float(ndc.y - tiles.middle(row)),
-                          float(ndc.z),
-                          tile,
-                          rank,
-                          std::uint8_t(view)};
-        return true;
+    static tile_kernel::Projection make_projection(const glm::dmat4& rows, int side) {
+        tile_kernel::Projection projection{};
+        projection.side = side;
+        for (int row = 0; row < 4; ++row)
+            for (int i = 0; i < 4; ++i) projection.rows[row][i] = rows[row][i];
+        return projection;
     }
 
-    static void set_runs(ReceiverTiles& tiles) {
-        tiles.first.resize(tiles.count.size());
-        std::uint32_t total = 0;
-        for (std::size_t tile = 0; tile < tiles.count.size(); ++tile) {
-            tiles.first[tile] = total;
-            total += tiles.count[tile];
-        }
-        tiles.receiver_count = total;
-        for (auto* values : {&tiles.x, &tiles.y, &tiles.depth}) values->resize(total + kTilePadding);
-        tiles.pixel.resize(total + kTilePadding);
-    }
-
-    void store(std::size_t pixel) {
-        const Place& place = places_[pixel];
-        if (place.tile == kNoTile) return;
-        ReceiverTiles& tiles = sorted_.views[place.view];
-        const std::uint32_t slot = tiles.first[place.tile] + place.rank;
-        tiles.x[slot] = place.x;
-        tiles.y[slot] = place.y;
-        tiles.depth[slot] = place.depth;
-        tiles.pixel[slot] = std::uint32_t(pixel);
-    }
-
-    /// With position error e, x = X / w is off by e (|X row| + |x| |w row|) / w, and depth likewise. 1 / w follows from
-    /// the depth: z = alpha + beta w for a perspective view.
-    void bound_tiles(std::size_t view) {
-        ReceiverTiles& tiles = sorted_.views[view];
-        const LightView& light_view = position_.views[view];
-        const glm::dmat4 rows = glm::transpose(lc_from_rel_[view]);
-        glm::dvec4 length(0.0);
-        for (int i = 0; i < 4; ++i) length[i] = glm::length(glm::dvec3(rows[i]));
-        const double error = kPositionRounding * double(farthest_);
-        const double near = light_view.near_ls, far = light_view.far_ls;
-        tiles.least_depth.resize(tiles.count.size());
-        tiles.place_error.resize(tiles.count.size());
-        tiles.depth_error.resize(tiles.count.size());
-        threads_.parallel_for(tiles.count.size(), kTileBlock, [&](std::size_t begin, std::size_t end) {
-            for (std::size_t tile = begin; tile < end; ++tile) {
-                float least = std::numeric_limits<float>::infinity(), greatest = -least;
-                for (std::uint32_t i = tiles.first[tile]; i < tiles.first[tile] + tiles.count[tile]; ++i) {
-                    least = std::min(least, tiles.depth[i]);
-                    greatest = std::max(greatest, tiles.depth[i]);
-                }
-                tiles.least_depth[tile] = least;
-                if (tiles.count[tile] == 0) continue;
-                // depth = near (far - w) / (w (far - near)): 1 / w = (depth (far - near) / near + 1) / far
-                const double over_w =
-                    light_view.perspective ? std::max((double(greatest) * (far - near) / near + 1) / far, 1e-300) : 1.0;
-                const double largest = std::max(std::abs(double(least)), std::abs(double(greatest)));
-                tiles.place_error[tile] = float(error * over_w * (std::max(length.x, length.y) + length.w));
-                tiles.depth_error[tile] = float(error * over_w * (length.z + largest * length.w));
-            }
+    template <class Body>
+    void for_each_part(const Body& body) {
+        const std::size_t count = frame_.pixel_count();
+        threads_.parallel_for(part_count_, 1, [&](std::size_t part, std::size_t) {
+            body(part, part * count / part_count_, (part + 1) * count / part_count_);
         });
-        for (const float bound : tiles.place_error)
-            tiles.largest_place_error = std::max(tiles.largest_place_error, bound);
     }
 
+    void place_part(std::size_t part, std::size_t begin, std::size_t end) {
+        ReceiverLanes lanes{};
+        std::fill(std::begin(lanes.in_cone), std::end(lanes.in_cone), 1);
+        std::uint32_t* counts = sorter_.offsets_.data() + part * tile_count_;
+        Place* next = sorter_.places_.data() + begin;
+        double farthest_squared = 0;
+        for (std::size_t first = begin; first < end; first += ReceiverLanes::kCount) {
+            const int count = int(std::min(std::size_t(ReceiverLanes::kCount), end - first));
+            const std::uint32_t lit = classify(first, count, lanes);
+            farthest_squared = std::max(farthest_squared, lanes.farthest_squared);
+            next = place(first, lit, lanes, counts, next);
+        }
+        parts_[part] = {std::size_t(next - sorter_.places_.data()), std::sqrt(farthest_squared)};
+    }
+
+    /// Bits of the lanes whose visibility the casters decide; sets the visibility of all.
+    std::uint32_t classify(std::size_t first, int count, ReceiverLanes& lanes) {
+        find_facing(first, count, lanes);
+        Facing facing[ReceiverLanes::kCount];
+        std::uint32_t lit = 0;
+        for (int i = 0; i < count; ++i) {
+            facing[i] = rule_.decide(first + std::size_t(i), lanes.in_cone[i] != 0, lanes.turned_to_light[i] != 0);
+            lit |= std::uint32_t(facing[i] == Facing::Lit) << i;
+        }
+        std::uint8_t* visible = sorter_.visible_.data() + first;
+        for (int i = 0; i < count; ++i) visible[i] = facing[i] != Facing::TurnedAway;
+        return lit;
+    }
+
+    void find_facing(std::size_t first, int count, ReceiverLanes& lanes) const {
+        static_assert(sizeof(glm::vec3) == 3 * sizeof(float));
+        const float *positions = &frame_.positions_rel[first].x, *normals = &frame_.normals[first].x;
+        float padded[2][3 * ReceiverLanes::kCount] = {};
+        if (count < ReceiverLanes::kCount) {  // the picture's last pixels: nothing may be read behind them
+            std::copy_n(positions, 3 * count, padded[0]);
+            std::copy_n(normals, 3 * count, padded[1]);
+            positions = padded[0], normals = padded[1];
+        }
+        build_.find_facing(rule_.source(), positions, normals, lanes);
+    }
+
+    int find_view(std::size_t pixel) const {
+        if (!position_.cube) return sorter_.views_.empty() ? -1 : 0;
+        return view_of_face_[find_cube_face(position_.axes_ws, -rule_.get_to_light(pixel))];
+    }
+
+    /// Of the lanes in `lit`, those that fall into this view.
+    std::uint32_t keep_view(std::size_t first, std::uint32_t lit, int view) const {
+        if (!position_.cube) return lit;
+        std::uint32_t here = 0;
+        for (std::uint32_t left = lit; left != 0; left &= left - 1) {
+            const int i = std::countr_zero(left);
+            if (find_view(first + std::size_t(i)) == view) here |= 1u << i;
+        }
+        return here;
+    }
+
+    /// Finds the tiles of these lanes, view by view, and counts them.
+    Place* place(std::size_t first, std::uint32_t lit, ReceiverLanes& lanes, std::uint32_t* counts, Place* next) const {
+        while (lit != 0) {
+            const int view = find_view(first + std::size_t(std::countr_zero(lit)));
+            std::uint32_t here = keep_view(first, lit, view);
+            lit &= ~here;
+            if (view < 0) continue;
+            build_.place_receivers(projections_[std::size_t(view)], lanes);
+            const std::uint32_t first_tile = first_tile_[std::size_t(view)];
+            for (; here != 0; here &= here - 1) {
+                const int i = std::countr_zero(here);
+                if (lanes.tile[i] < 0) continue;
+                const std::uint32_t tile = first_tile + std::uint32_t(lanes.tile[i]);
+                *next++ = {lanes.tile_x[i], lanes.tile_y[i],
+                           lanes.depth[i],  tile,
+                           counts[tile]++,  std::uint32_t(first) + std::uint32_t(i)};
+            }
+        }
+        return next;
+    }
+
+    /// Gives each tile its blocks, and each part of the picture its places in them.
+    void set_runs() {
+        std::uint32_t blocks = 0;
+        std::size_t index = 0;
+        for (ReceiverTiles& tiles : sorter_.views_) {
+            tiles.receiver_count = 0;
+            for (Tile& tile : tiles.tiles) {
+                tile = Tile{};
+                tile.first = blocks;
+                for (std::size_t part = 0; part < part_count_; ++part) {
+                    std::uint32_t& offset = sorter_.offsets_[part * tile_count_ + index];
+                    tile.count += std::exchange(offset, blocks * kLanes + tile.count);
+                }
+                blocks += (tile.count + kLanes - 1) / kLanes;
+                tiles.receiver_count += tile.count;
+                ++index;
+            }
+        }
+        make_room(sorter_.blocks_, blocks);
+        for (ReceiverTiles& tiles : sorter_.views_) tiles.blocks = sorter_.blocks_.data();
+    }
+
+    void store_part(std::size_t part, std::size_t begin) {
+        const std::uint32_t* offsets = sorter_.offsets_.data() + part * tile_count_;
+        const Place* places = sorter_.places_.data();
+        const PixelIds* ids = frame_.ids.data();
+        ReceiverBlock* blocks = sorter_.blocks_.data();
+        for (std::size_t k = begin; k < parts_[part].end; ++k) {
+            const Place& place = places[k];
+            const std::uint32_t slot = offsets[place.tile] + place.rank, lane = slot % kLanes;
+            ReceiverBlock& block = blocks[slot / kLanes];
+            block.x[lane] = place.x;
+            block.y[lane] = place.y;
+            block.depth[lane] = place.depth;
+            block.instance[lane] = ids[place.pixel].instance;
+            block.triangle[lane] = ids[place.pixel].triangle;
+            block.pixel[lane] = place.pixel;
+        }
+    }
+
+    ReceiverSorter& sorter_;
     const Frame& frame_;
     const LightPosition& position_;
     const FacingRule rule_;
     ThreadPool& threads_;
+    const tile_kernel::Build& build_ = tile_kernel::choose_build();
     int view_of_face_[6] = {-1, -1, -1, -1, -1, -1};
-    std::vector<glm::dmat4> lc_from_rel_;
-    std::vector<Place> places_;
-    float farthest_ = 0;  ///< distance of the receivers from the camera
-    SortedReceivers sorted_;
+    // by view
+    std::vector<glm::dmat4> rows_;  ///< of the clip space from the frame's, as columns
+    std::vector<tile_kernel::Projection> projections_;
+    std::vector<std::uint32_t> first_tile_;
+    std::size_t tile_count_ = 0, part_count_ = 1;
+    struct Part {
+        std::size_t end = 0;  ///< of its places
+        double farthest = 0;  ///< distance of its receivers from the camera
+    };
+    std::vector<Part> parts_;
 };
 
-}  // namespace
+void ReceiverSorter::sort(const Frame& frame, const Light& light, const LightPosition& position, int most_tiles,
+                          ThreadPool& threads) {
+    Run(*this, frame, light, position, most_tiles, threads).sort();
+}
 
-SortedReceivers sort_receivers(const Frame& frame, const Light& light, const LightPosition& position, int most_tiles,
-                               ThreadPool& threads) {
-    return Sorter(frame, light, position, most_tiles, threads).sort();
+std::size_t ReceiverSorter::byte_size() const {
+    std::size_t tiles = 0;
+    for (const ReceiverTiles& view : views_) tiles += view.tiles.size();
+    return tiles * sizeof(Tile) + blocks_.size() * sizeof(ReceiverBlock) + places_.size() * sizeof(Place) +
+           offsets_.size() * sizeof(std::uint32_t) + visible_.size();
 }
 
 }  // namespace shadow_layers

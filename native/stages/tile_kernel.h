@@ -7,33 +7,72 @@
 #include <cstddef>
 #include <cstdint>
 
+#include "lights/facing_formulas.h"
+
 namespace shadow_layers::tile_kernel {
 
-/// value(x, y) = at_origin + x * by_x + y * by_y, in clip units of a light view.
-struct LinearForm {
-    double at_origin, by_x, by_y;
+/// Consecutive pixels whose receivers are placed together.
+struct alignas(64) ReceiverLanes {
+    static constexpr int kCount = 16;
+    // set by find_facing
+    double x[kCount], y[kCount], z[kCount];                 ///< relative to the frame's origin
+    std::int32_t in_cone[kCount], turned_to_light[kCount];  ///< 1 = yes, 0 = no
+    double farthest_squared;                                ///< distance from the frame's origin
+    // set by place_receivers
+    std::int32_t tile[kCount];                            ///< in the view; -1: outside of it
+    float tile_x[kCount], tile_y[kCount], depth[kCount];  ///< about the tile's middle, clip units
 };
 
-/// A caster in a light view, ready to be drawn over tiles.
-struct CasterTriangle {
-    LinearForm edges[3];   ///< >= 0 inside
-    LinearForm depth;      ///< depth_rz of its plane
-    double edge_error[3];  ///< of at_origin + ..., from rounding in double
-    double depth_error;
+/// A light view's clip space from the frame's space, as rows, and its tiles.
+struct Projection {
+    double rows[4][4];
+    double side;
+};
+
+/// Tiles that a caster may touch, [begin, end) on each axis.
+struct TileExtent {
+    int column_begin, column_end, row_begin, row_end;
     double greatest_depth;  ///< of its corners; infinite if it reaches behind the light
-    std::uint32_t instance, triangle;
-    int column_begin, column_end, row_begin, row_end;  ///< tiles that it may touch
+
+    int tile_count() const { return (column_end - column_begin) * (row_end - row_begin); }
 };
 
-/// Receivers by tile; see ReceiverTiles. `count` shrinks as receivers are found to be in shadow.
+/// A caster in a light view, ready to be drawn over tiles: four linear forms at + x * by_x + y * by_y in clip units of
+/// the view. Forms 0 to 2 are its edges, >= 0 inside; form 3 is the depth_rz of its plane.
+struct CasterTriangle {
+    double at[4], by_x[4], by_y[4];
+    double error[4];  ///< of the forms, from rounding in double
+    TileExtent extent;
+    std::uint32_t instance, triangle;
+};
+
+/// Receivers of one tile, side by side. Places are kept about the tile's middle, in clip units, so that float resolves
+/// them far below a tile. `depth` is "depth_rz": larger nearer to the light; infinite in lanes that hold no receiver,
+/// so that nothing shadows them.
+struct alignas(64) ReceiverBlock {
+    static constexpr std::uint32_t kLanes = 8;
+    float x[kLanes], y[kLanes], depth[kLanes];
+    std::uint32_t instance[kLanes], triangle[kLanes];  ///< seen there: never in its own shadow
+    std::uint32_t pixel[kLanes];
+};
+
+struct Tile {
+    std::uint32_t first = 0, count = 0;      ///< first block; receivers, in as many blocks as they need
+    float least_depth = 0;                   ///< of its receivers: of the one farthest from the light
+    float place_error = 0, depth_error = 0;  ///< how far off x, y may be, because the frame's positions are rounded
+    std::uint32_t busy = 0;                  ///< 1 while a thread draws over it
+    std::uint32_t instance = kMixed, triangle = kMixed;  ///< that all its receivers lie on, if it is one
+
+    static constexpr std::uint32_t kMixed = 0xffffffffu;
+};
+
+/// side x side tiles over [-1, 1]^2 of the view's clip space, row-major. Receivers found to be in shadow leave.
 struct Tiles {
     int side;
-    double half_size;
-    const std::uint32_t* first;
-    std::uint32_t* count;
-    const float *least_depth, *place_error, *depth_error;
-    float *x, *y, *depth;
-    std::uint32_t* pixel;
+    double half_size;  ///< of a tile, clip units
+    float largest_place_error;
+    Tile* tiles;
+    ReceiverBlock* blocks;
 };
 
 /// A pair that float can't decide.
@@ -44,7 +83,6 @@ struct OpenPair {
 /// Where the answers go. `visible[pixel]` becomes 0 where float is sure. `settle` empties `open` when it is full.
 struct Answers {
     std::uint8_t* visible;
-    const std::uint32_t* ids;  ///< instance and triangle of each pixel's receiver: never in its own shadow
     OpenPair* open;
     std::size_t open_count, open_capacity;
     void (*settle)(void* context, Answers& answers);
@@ -52,16 +90,24 @@ struct Answers {
     std::uint64_t tests;  ///< receiver and triangle pairs looked at
 };
 
-/// Draws the triangles over rows [row_begin, row_end) of the tiles. Tiles of a row belong to one caller.
-using DrawTriangles = void (*)(const CasterTriangle* triangles, const std::uint32_t* order, std::size_t count,
-                               int row_begin, int row_end, Tiles& tiles, Answers& answers);
+/// What is built for an instruction set.
+struct Build {
+    const char* name;
+    /// `positions` and `normals`: x, y, z of ReceiverLanes::kCount pixels. Leaves in_cone where there is no cone.
+    void (*find_facing)(const facing::Source& source, const float* positions, const float* normals,
+                        ReceiverLanes& lanes);
+    void (*place_receivers)(const Projection& projection, ReceiverLanes& lanes);
+    /// Draws the triangles over rows [row_begin, row_end) of the tiles. Threads may draw over the same tiles at once.
+    void (*draw_triangles)(const CasterTriangle* triangles, std::size_t count, int row_begin, int row_end,
+                           const Tiles& tiles, Answers& answers);
+};
 
-void draw_triangles_base(const CasterTriangle*, const std::uint32_t*, std::size_t, int, int, Tiles&, Answers&);
+extern const Build kBaseBuild;
 #if defined(__x86_64__)
-void draw_triangles_avx2(const CasterTriangle*, const std::uint32_t*, std::size_t, int, int, Tiles&, Answers&);
+extern const Build kAvx2Build;
 #endif
 
-/// The best that this processor runs; `name` tells which.
-DrawTriangles choose_draw_triangles(const char** name = nullptr);
+/// The best that this processor runs.
+const Build& choose_build();
 
 }  // namespace shadow_layers::tile_kernel

@@ -8,14 +8,12 @@ namespace {
 using Arch = xsimd::fma3<xsimd::avx2>;
 }
 
+#include "stages/receiver_kernel_body.h"
 #include "stages/tile_kernel_body.h"
 
 namespace shadow_layers::tile_kernel {
 
-void draw_triangles_avx2(const CasterTriangle* triangles, const std::uint32_t* order, std::size_t count, int row_begin,
-                         int row_end, Tiles& tiles, Answers& answers) {
-    draw_all(triangles, order, count, row_begin, row_end, tiles, answers);
-}
+const Build kAvx2Build{"fma3+avx2", find_facing, place_receivers, draw_triangles};
 
 }  // namespace shadow_layers::tile_kernel
 #endif

@@ -4,29 +4,25 @@
 #include <xsimd/xsimd.hpp>
 
 namespace {
+#if defined(__x86_64__)
+using Arch = xsimd::sse2;
+#else
 using Arch = xsimd::default_arch;
-}
+#endif
+}  // namespace
 
+#include "stages/receiver_kernel_body.h"
 #include "stages/tile_kernel_body.h"
 
 namespace shadow_layers::tile_kernel {
 
-void draw_triangles_base(const CasterTriangle* triangles, const std::uint32_t* order, std::size_t count, int row_begin,
-                         int row_end, Tiles& tiles, Answers& answers) {
-    draw_all(triangles, order, count, row_begin, row_end, tiles, answers);
-}
+const Build kBaseBuild{Arch::name(), find_facing, place_receivers, draw_triangles};
 
-DrawTriangles choose_draw_triangles(const char** name) {
-    const char* chosen = Arch::name();
-    DrawTriangles draw = draw_triangles_base;
+const Build& choose_build() {
 #if defined(__x86_64__)
-    if (xsimd::available_architectures().fma3_avx2) {
-        chosen = "fma3+avx2";
-        draw = draw_triangles_avx2;
-    }
+    if (xsimd::available_architectures().fma3_avx2) return kAvx2Build;
 #endif
-    if (name) *name = chosen;
-    return draw;
+    return kBaseBuild;
 }
 
 }  // namespace shadow_layers::tile_kernel

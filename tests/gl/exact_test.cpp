@@ -46,6 +46,65 @@ TEST_F(Exact, EqualsRaysWithTheLightAmongTheCasters) {
             EXPECT_EQ(count_different(make_soup_scene(9), make_light(kind, place, {0.3, 0.3, -2}, 150), 1024, 0), 0);
 }
 
+TEST_F(Exact, EqualsRaysOnNeedles) {
+    for (unsigned seed = 1; seed <= 4; ++seed)
+        for (const LightKind kind : kAllLightKinds)
+            EXPECT_EQ(count_different(make_needle_scene(seed), make_light(kind, {0.7, 0.4, 3.5}, {0, 0, 0.2}, 100)), 0)
+                << "seed " << seed;
+}
+
+TEST_F(Exact, EqualsRaysInsideAndOutsideOfAClosedMesh) {
+    SceneView view = place_over_plane("sphere", make_sphere(0.9f));
+    view.scene->instances.back().world_from_object = placement({0, 0, 1});
+    const Light light = make_light(LightKind::Point, {0.2, -0.1, 1.3}, {0, 0, 0});
+    const RayComparison outside = compare_with_rays(runner_, view, light, "exact");
+    EXPECT_EQ(outside.different, 0);
+    EXPECT_EQ(outside.lit, 0) << "the light is shut in";
+    EXPECT_GT(outside.shadowed, 10000);
+    view.camera = make_camera({-0.3, 0.2, 0.8}, {0.5, -0.2, 1}, view.width, view.height, 100);
+    const RayComparison inside = compare_with_rays(runner_, view, light, "exact");
+    EXPECT_EQ(inside.different, 0);
+    EXPECT_EQ(inside.shadowed, 0) << "a sphere does not shadow itself from inside";
+    EXPECT_GT(inside.lit, 10000);
+}
+
+TEST_F(Exact, EqualsRaysWhereCastersReachBehindTheLight) {
+    const glm::dvec3 place(0.3, 0.2, 2.0);
+    for (const double apart : {0.3, 1e-2, 1e-4}) {
+        // Walls past the light on two sides, from the floor's level to far behind it, and one across its rear.
+        SceneView view = place_over_plane("wall", make_plane(1));
+        const auto wall = view.scene->instances.back().mesh;
+        view.scene->instances.back().world_from_object =
+            placement(place + glm::dvec3(apart, 0, 1), 90, {0, 1, 0}) * glm::scale(glm::dmat4(1), glm::dvec3(3, 1, 1));
+        view.place(wall, placement(place + glm::dvec3(0, -2 * apart, 2), 90, {1, 0, 0}) *
+                             glm::scale(glm::dmat4(1), glm::dvec3(0.4, 5, 1)));
+        view.place(wall, placement(place + glm::dvec3(0, 0, apart)));
+        for (const LightKind kind : {LightKind::Point, LightKind::Spot, LightKind::Area})
+            EXPECT_EQ(count_different(view, make_light(kind, place, {0.3, 0.2, 0}, 140), 1024, 100), 0) << apart;
+    }
+}
+
+TEST_F(Exact, EqualsRaysInTheSmallestPictures) {
+    for (const auto& [width, height] : {std::pair(1, 1), {1, 9}, {23, 1}, {2, 2}})
+        for (const LightKind kind : kAllLightKinds)
+            EXPECT_EQ(count_different(random_scene(16, width, height), make_light(kind, {2, 1.5, 4}, {0, 0, 0}), 64, 0),
+                      0)
+                << width << " x " << height;
+}
+
+TEST_F(Exact, WithoutCastersAllThatIsTurnedToTheLightIsLit) {
+    for (const LightKind kind : kAllLightKinds) {
+        SceneView view = random_scene(17, 160, 90);
+        view.place(view.add("nothing", {}));
+        for (Instance& instance : view.scene->instances) instance.flags = kInstanceCamera;
+        const RayComparison found =
+            compare_with_rays(runner_, view, make_light(kind, {2, 1.5, 4}, {0, 0, 0}, 120), "exact");
+        EXPECT_EQ(found.different, 0);
+        EXPECT_EQ(found.shadowed, 0);
+        EXPECT_GT(found.lit, 1000);
+    }
+}
+
 TEST_F(Exact, DoesNotDependOnTheNumberOfTiles) {
     for (const std::int64_t size : {1, 7, 64, 256, 4096})
         EXPECT_EQ(
@@ -54,7 +113,7 @@ TEST_F(Exact, DoesNotDependOnTheNumberOfTiles) {
 }
 
 TEST_F(Exact, EqualsRaysAtAnyScaleAndPlace) {
-    for (const double scale : {1e-4, 1.0, 1e5})
+    for (const double scale : {1e-4, 1.0, 1e5, 1e6})
         for (const glm::dvec3& place : {glm::dvec3(0), {3e5, -7e5, 2e5}}) {
             SceneView view = random_scene(13, 240, 135);
             const glm::dmat4 move = glm::scale(glm::translate(glm::dmat4(1), place * scale), glm::dvec3(scale));
@@ -100,11 +159,14 @@ TEST_F(Exact, EqualsRaysThatFindTheTrianglesThemselves) {
 }
 
 TEST_F(Exact, IsTheSameForAnyNumberOfThreads) {
-    SceneView view = make_soup_scene(4);
-    view.scene->lights = {make_light(LightKind::Point, {0.4, 0.3, 2.2}, {0, 0, 0})};
-    TechniqueRunner one(1), three(3);
-    const auto a = one.render(view, "exact"), b = three.render(view, "exact");
-    EXPECT_EQ(a.visibility(), b.visibility());
+    TechniqueRunner one(1), three(3), eight(8);
+    for (SceneView view : {make_soup_scene(4), random_scene(15, 320, 180), make_needle_scene(2)}) {
+        view.scene->lights = {make_light(LightKind::Point, {0.4, 0.3, 2.2}, {0, 0, 0})};
+        const auto expected = one.render(view, "exact");
+        for (TechniqueRunner* runner : {&three, &eight})
+            for (int again = 0; again < 3; ++again)
+                EXPECT_EQ(runner->render(view, "exact").visibility(), expected.visibility());
+    }
 }
 
 TEST_F(Exact, SettlesFewPairsInDouble) {

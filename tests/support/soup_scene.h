@@ -39,4 +39,23 @@ inline SceneView make_soup_scene(unsigned seed, int width = 320, int height = 18
     return place_over_plane("soup", std::move(soup), width, height);
 }
 
+/// Needles at random over a plane: triangles up to 100 times longer than the picture's scene, and as thin as a hair of
+/// it. Some pass close by the place (0.7, 0.4, 3.5), where tests put their light, and reach behind it.
+inline SceneView make_needle_scene(unsigned seed, int width = 320, int height = 180, int count = 60) {
+    std::mt19937 random(seed);
+    std::uniform_real_distribution<float> unit(-1, 1);
+    const auto point = [&](float reach) { return reach * glm::vec3(unit(random), unit(random), unit(random)); };
+    MeshData needles;
+    for (int k = 0; k < count; ++k) {
+        const auto first = std::uint32_t(needles.positions.size());
+        const float reach = k % 4 == 0 ? 100.0f : 3.0f, thin = k % 3 == 0 ? 1e-4f : 0.05f;
+        const glm::vec3 middle =
+            k % 5 == 0 ? glm::vec3(0.7f, 0.4f, 3.5f) + point(0.3f) : glm::vec3(0, 0, 1.5f) + point(1.2f);
+        const glm::vec3 along = point(reach);
+        needles.positions.insert(needles.positions.end(), {middle - along, middle + along, middle + point(thin)});
+        needles.triangles.push_back({first, first + 1, first + 2});
+    }
+    return place_over_plane("needles", std::move(needles), width, height);
+}
+
 }  // namespace shadow_layers::testing

@@ -56,19 +56,20 @@ private:
 
     std::vector<std::uint8_t> compute_visibility(Engine& engine, const Frame& frame, const Light& light,
                                                  const LightPosition& position) {
-        SortedReceivers sorted;
         {
             const auto timer = engine.time_stage("receiver_tiles");
-            sorted = sort_receivers(frame, light, position, kMostTiles, engine.threads());
+            sorter_.sort(frame, light, position, kMostTiles, engine.threads());
+            engine.count("list_bytes", std::int64_t(sorter_.byte_size()));
         }
         const OcclusionRule rule(frame, position);
         for (std::size_t view = 0; view < position.views.size(); ++view)
-            lists_.draw(engine, {frame, position.views[view], rule, sorted.views[view]}, sorted.visible);
-        return std::move(sorted.visible);
+            lists_.draw(engine, {frame, position.views[view], rule, sorter_.views()[view]}, sorter_.visible());
+        return sorter_.visible();
     }
 
     // The order in which receivers come to the GL: neighbours lie near each other in memory.
     static constexpr int kMostTiles = 1024;
+    ReceiverSorter sorter_;
     ReceiverLists lists_;
 };
 

@@ -12,9 +12,18 @@
 
 namespace shadow_layers {
 
-/// The receivers of a view in the order of `sorted`, about the texels of a map of side x side.
-std::vector<ListReceiver> make_list_receivers(const Frame& frame, const ReceiverTiles& sorted, int side,
-                                              ThreadPool& threads);
+/// The receivers of a view, about the texels of a map, and the pixels that see them.
+struct PlacedReceivers {
+    std::vector<ListReceiver> receivers;
+    std::vector<std::uint32_t> pixels;
+
+    std::size_t byte_size() const {
+        return receivers.size() * sizeof(ListReceiver) + pixels.size() * sizeof(std::uint32_t);
+    }
+};
+
+/// In the order of `sorted`; the map has side x side texels.
+PlacedReceivers make_list_receivers(const Frame& frame, const ReceiverTiles& sorted, int side, ThreadPool& threads);
 
 /// A caster that is set up over the texels of a map of side x side, in float with bounds of its errors.
 ListCaster make_list_caster(const tile_kernel::CasterTriangle& triangle, int side);

@@ -6,12 +6,15 @@
 #include <atomic>
 #include <limits>
 
+#include "scene/mesh_clusters.h"
+#include "stages/caster_clusters.h"
 #include "techniques/afsm/list_values.h"
 
 namespace shadow_layers {
 namespace {
 
 constexpr std::size_t kCastersAtOnce = 1 << 16;
+constexpr std::size_t kClustersAtOnce = kCastersAtOnce / kClusterTriangles;
 constexpr std::size_t kSetupBlock = 1 << 10;
 constexpr std::size_t kAnswerBlock = 1 << 10;
 constexpr std::size_t kMostGroups = 65535;  // that every driver takes
@@ -31,22 +34,13 @@ std::size_t choose_piece(const std::vector<ListCaster>& casters, std::size_t beg
     return end;
 }
 
-/// In any order: what is drawn over the lists does not hang on it.
-std::vector<ListCaster> set_up_casters(ThreadPool& threads, const CasterRow& row, std::size_t begin, std::size_t count,
-                                       int side, double margin) {
-    std::vector<ListCaster> casters(count);
-    std::vector<std::uint8_t> wanted(count);
-    threads.parallel_for(count, kSetupBlock, [&](std::size_t from, std::size_t to) {
-        tile_kernel::CasterTriangle triangle;
-        for (std::size_t i = from; i < to; ++i) {
-            wanted[i] = row.set_up(begin + i, side, margin, triangle);
-            if (wanted[i]) casters[i] = make_list_caster(triangle, side);
-        }
+std::vector<ListCaster> make_list_casters(ThreadPool& threads, const CasterRow& row,
+                                          std::span<const CasterCluster> clusters, int side, double margin) {
+    const auto triangles = set_up_clusters(threads, row, clusters, {side, margin});
+    std::vector<ListCaster> casters(triangles.size());
+    threads.parallel_for(casters.size(), kSetupBlock, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t i = begin; i < end; ++i) casters[i] = make_list_caster(triangles[i], side);
     });
-    std::size_t kept = 0;
-    for (std::size_t i = 0; i < count; ++i)
-        if (wanted[i]) casters[kept++] = casters[i];
-    casters.resize(kept);
     return casters;
 }
 
@@ -115,22 +109,23 @@ void ReceiverLists::draw(Engine& engine, const Task& task, std::vector<std::uint
     engine.count("receivers", std::int64_t(total));
     if (total == 0 || task.view.casters.empty()) return;
     const int side = std::clamp(task.view.size_texels, 1, engine.limits().max_texture_size);
-    std::vector<ListReceiver> receivers;
+    PlacedReceivers placed;
     {
         const auto timer = engine.time_stage("receiver_places");
-        receivers = make_list_receivers(task.frame, task.sorted, side, engine.threads());
+        placed = make_list_receivers(task.frame, task.sorted, side, engine.threads());
     }
     float place_error = 0;
-    for (const ListReceiver& receiver : receivers) place_error = std::max(place_error, receiver.place_error);
+    for (const ListReceiver& receiver : placed.receivers) place_error = std::max(place_error, receiver.place_error);
     const std::size_t most =
         std::min(engine.limits().max_ssbo_bytes / sizeof(ListReceiver), kMostGroups * kInsertGroup);
     fit(engine, side, std::min(total, most));
     engine.count("map_bytes", byte_size());
-    engine.count("list_bytes", std::int64_t(task.sorted.byte_size() + receivers.size() * sizeof(ListReceiver)));
+    engine.count("list_bytes", std::int64_t(placed.byte_size()));
     for (std::size_t first = 0; first < total; first += most) {
         engine.check_cancelled();
-        const Slice slice{task, first, std::min(most, total - first), visible};
-        insert(engine, std::span(receivers).subspan(first, slice.count));
+        const std::size_t count = std::min(most, total - first);
+        const Slice slice{task, std::span(placed.pixels).subspan(first, count), visible};
+        insert(engine, std::span(placed.receivers).subspan(first, count));
         draw_casters(engine, slice, double(place_error));
         take_answers(engine, slice);
     }
@@ -142,13 +137,15 @@ void ReceiverLists::draw(Engine& engine, const Task& task, std::vector<std::uint
 void ReceiverLists::draw_casters(Engine& engine, const Slice& slice, double place_error) {
     const CasterRow row(*slice.task.frame.scene, slice.task.view);
     const double margin = kLeastMargin + place_error * 2 / side_;
-    const double receivers_per_texel = double(slice.count) / (double(side_) * double(side_));
+    const double receivers_per_texel = double(slice.pixels.size()) / (double(side_) * double(side_));
     const gl::Program& program = engine.program("techniques/afsm/casters.vert", "techniques/afsm/casters.frag");
-    for (std::size_t begin = 0; begin < row.size(); begin += kCastersAtOnce) {
+    const auto clusters = list_clusters(engine, *slice.task.frame.scene, row, {side_, margin});
+    for (std::size_t begin = 0; begin < clusters.size(); begin += kClustersAtOnce) {
         engine.check_cancelled();
         const auto timer = engine.time_stage("caster_lists");
-        const std::size_t count = std::min(kCastersAtOnce, row.size() - begin);
-        casters_ = set_up_casters(engine.threads(), row, begin, count, side_, margin);
+        const std::size_t count = std::min(kClustersAtOnce, clusters.size() - begin);
+        casters_ = make_list_casters(engine.threads(), row, std::span(clusters).subspan(begin, count), side_, margin);
+        if (casters_.empty()) continue;
         casters_buf_.write(casters_.data(), casters_.size() * sizeof(ListCaster));
         blocked_buf_.bind_base(GL_SHADER_STORAGE_BUFFER, kListBlockedSlot);
         casters_buf_.bind_base(GL_SHADER_STORAGE_BUFFER, kListCastersSlot);
@@ -195,7 +192,7 @@ void ReceiverLists::settle(Engine& engine, const Slice& slice, std::size_t pair_
     const Task& task = slice.task;
     engine.threads().parallel_for(pair_count, kAnswerBlock, [&](std::size_t begin, std::size_t end) {
         for (std::size_t i = begin; i < end; ++i) {
-            const std::uint32_t pixel = task.sorted.pixel[slice.first + pairs[i].x];
+            const std::uint32_t pixel = slice.pixels[pairs[i].x];
             const std::atomic_ref<std::uint8_t> visible(slice.visible[pixel]);
             if (visible.load(std::memory_order_relaxed) == 0) continue;
             const ListCaster& caster = casters_[pairs[i].y];
@@ -208,10 +205,10 @@ void ReceiverLists::settle(Engine& engine, const Slice& slice, std::size_t pair_
 
 void ReceiverLists::take_answers(Engine& engine, const Slice& slice) const {
     const auto timer = engine.time_stage("answers");
-    const auto blocked = blocked_buf_.download<std::uint32_t>(slice.count);
-    engine.threads().parallel_for(slice.count, kAnswerBlock, [&](std::size_t begin, std::size_t end) {
+    const auto blocked = blocked_buf_.download<std::uint32_t>(slice.pixels.size());
+    engine.threads().parallel_for(blocked.size(), kAnswerBlock, [&](std::size_t begin, std::size_t end) {
         for (std::size_t i = begin; i < end; ++i)
-            if (blocked[i]) slice.visible[slice.task.sorted.pixel[slice.first + i]] = 0;
+            if (blocked[i]) slice.visible[slice.pixels[i]] = 0;
     });
 }
 

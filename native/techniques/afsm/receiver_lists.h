@@ -34,7 +34,7 @@ private:
     /// Consecutive receivers of a view, as many as the buffers hold.
     struct Slice {
         const Task& task;
-        std::size_t first, count;
+        std::span<const std::uint32_t> pixels;
         std::vector<std::uint8_t>& visible;
     };
     void fit(Engine& engine, int side, std::size_t receivers);

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <atomic>
 
+#include "stages/caster_clusters.h"
 #include "stages/caster_forms.h"
 
 namespace shadow_layers {
@@ -13,8 +14,7 @@ namespace {
 using facet_kernel::CasterTriangle;
 
 // Triangles are set up and drawn in chunks, so that memory stays bounded.
-constexpr std::size_t kChunk = 1 << 16;
-constexpr std::size_t kSetupBlock = 1 << 10;
+constexpr std::size_t kClustersAtOnce = 1 << 9;
 constexpr int kBandRows = 16;
 // Clip units; places are in double, so this is far more than they are off.
 constexpr double kMargin = 1e-9;
@@ -28,15 +28,17 @@ public:
           samples_(samples),
           contacts_(contacts),
           facets_(facets),
+          scene_(*frame.scene),
           casters_(*frame.scene, view) {}
 
     void draw() {
-        triangles_.resize(std::min(kChunk, casters_.size()));
-        for (std::size_t begin = 0; begin < casters_.size(); begin += kChunk) {
+        const CasterGrid grid{pairs_.side, kMargin, pairs_.texels.data()};
+        const auto clusters = list_clusters(engine_, scene_, casters_, grid);
+        for (std::size_t first = 0; first < clusters.size(); first += kClustersAtOnce) {
             engine_.check_cancelled();
-            const std::size_t count = std::min(kChunk, casters_.size() - begin);
-            set_up(begin, count);
-            draw_bands(count);
+            const std::size_t count = std::min(kClustersAtOnce, clusters.size() - first);
+            triangles_ = set_up_clusters(engine_.threads(), casters_, std::span(clusters).subspan(first, count), grid);
+            draw_bands();
         }
         engine_.count("triangle_texel_pairs", std::int64_t(texel_pairs_));
         engine_.count("visibility_evaluations", std::int64_t(evaluations_));
@@ -50,30 +52,22 @@ private:
         NearCaster caster;  ///< the last one that came near a facet
     };
 
-    void set_up(std::size_t begin, std::size_t count) {
-        engine_.threads().parallel_for(count, kSetupBlock, [&](std::size_t from, std::size_t to) {
-            for (std::size_t slot = from; slot < to; ++slot) {
-                CasterTriangle& t = triangles_[slot];
-                if (!casters_.set_up(begin + slot, pairs_.side, kMargin, t, pairs_.count.data()))
-                    t.row_end = t.row_begin = 0;
-            }
-        });
-    }
-
-    void draw_bands(std::size_t count) {
+    void draw_bands() {
         const std::size_t bands = std::size_t((pairs_.side + kBandRows - 1) / kBandRows);
         std::vector<std::vector<std::uint32_t>> orders(bands);
-        for (std::size_t i = 0; i < count; ++i)
-            for (int band = triangles_[i].row_begin / kBandRows; band * kBandRows < triangles_[i].row_end; ++band)
+        for (std::size_t i = 0; i < triangles_.size(); ++i) {
+            const tile_kernel::TileExtent& extent = triangles_[i].extent;
+            for (int band = extent.row_begin / kBandRows; band * kBandRows < extent.row_end; ++band)
                 orders[std::size_t(band)].push_back(std::uint32_t(i));
+        }
         engine_.threads().parallel_for(bands, 1, [&](std::size_t band, std::size_t) {
             draw_band(orders[band], int(band) * kBandRows, std::min(int(band + 1) * kBandRows, pairs_.side));
         });
     }
 
     void draw_band(const std::vector<std::uint32_t>& order, int row_begin, int row_end) {
-        const facet_kernel::PairTexels texels{pairs_.side,         1.0 / pairs_.side,   pairs_.first.data(),
-                                              pairs_.count.data(), pairs_.pairs.data(), pairs_.facets.data()};
+        const facet_kernel::PairTexels texels{pairs_.side, 1.0 / pairs_.side, pairs_.texels.data(), pairs_.pairs.data(),
+                                              pairs_.facets.data()};
         Band state{*this, {}};
         facet_kernel::Answers answers{&PairDraw::settle, &state, 0, 0, 0};
         draw_triangles_(triangles_.data(), order.data(), order.size(), row_begin, row_end, texels, samples_, answers);
@@ -98,7 +92,8 @@ private:
     const facet_kernel::Samples& samples_;
     const FacetContacts& contacts_;
     std::span<SilhouetteFacet> facets_;
-    CasterRow casters_;
+    const Scene& scene_;
+    const CasterRow casters_;
     std::vector<CasterTriangle> triangles_;
     const facet_kernel::DrawTriangles draw_triangles_ = facet_kernel::choose_draw_triangles();
     std::atomic<std::uint64_t> texel_pairs_{0}, evaluations_{0}, contact_count_{0};

@@ -11,9 +11,13 @@
 namespace shadow_layers::facet_kernel {
 
 using tile_kernel::CasterTriangle;
-using tile_kernel::LinearForm;
 
 inline constexpr int kWords = 4;
+
+/// at_origin + x * by_x + y * by_y.
+struct LinearForm {
+    double at_origin, by_x, by_y;
+};
 
 /// A facet in a view's clip space: x, y, z, w as linear forms over the pixel's square.
 struct LightFacet {
@@ -34,12 +38,11 @@ struct FacetPair {
     std::uint32_t cut[kWords];  ///< samples that the validity mask loses
 };
 
-/// Texels of a map of side x side with the pairs in them, row-major.
+/// Texels of a map of side x side with the pairs in them, row-major: numbers of the first pair, how many.
 struct PairTexels {
     int side;
     double half_size;  ///< of a texel, in clip units
-    const std::uint32_t* first;
-    const std::uint32_t* count;
+    const tile_kernel::Tile* texels;
     FacetPair* pairs;
     const LightFacet* facets;
 };

@@ -24,23 +24,8 @@ static_assert(kLanes <= kBitsAtOnce);
 constexpr double kFloatError = 1.0 / 2097152.0;  // 2^-21
 inline double magnitude(double value) { return value < 0 ? -value : value; }
 
-/// A caster's edges and plane side by side, for SIMD over the four.
-struct CasterForms {
-    double at[4], by_x[4], by_y[4], error[4];
-};
-
-inline void make_forms(const CasterTriangle& t, CasterForms& forms) {
-    for (int i = 0; i < 4; ++i) {
-        const LinearForm& form = i < 3 ? t.edges[i] : t.depth;
-        forms.at[i] = form.at_origin;
-        forms.by_x[i] = form.by_x;
-        forms.by_y[i] = form.by_y;
-        forms.error[i] = i < 3 ? t.edge_error[i] : t.depth_error;
-    }
-}
-
 /// False if the triangle shadows no place of the square.
-inline bool make_conditions(const CasterForms& t, const LightFacet& f, Conditions& c) {
+inline bool make_conditions(const CasterTriangle& t, const LightFacet& f, Conditions& c) {
     constexpr double is_depth[4] = {0, 0, 0, 1};  // the receiver's own depth counts against the plane's
     double most[4];
     for (int i = 0; i < 4; ++i) {
@@ -99,14 +84,14 @@ inline bool is_dark(const LightFacet& f, const FacetPair& pair) {
     return lit == 0;
 }
 
-inline void test_pair(const CasterTriangle& t, const CasterForms& forms, const LightFacet& f, const Samples& s,
-                      FacetPair& pair, Answers& answers) {
+inline void test_pair(const CasterTriangle& t, const LightFacet& f, const Samples& s, FacetPair& pair,
+                      Answers& answers) {
     if (f.instance == t.instance && f.triangle == t.triangle) return;
     // With several views the validity mask weighs them, so that it is made whole.
     if (f.is_alone && is_dark(f, pair)) return;
     ++answers.evaluations;
     Conditions c;
-    if (!make_conditions(forms, f, c)) return;
+    if (!make_conditions(t, f, c)) return;
     const bool is_near = c.at[3] - c.reach[3] - c.error[3] <= f.near;
     // Not a touch above the facet: as at a convex edge.
     if (is_near && c.at[3] + c.reach[3] <= c.error[3]) return;
@@ -124,29 +109,29 @@ inline void test_pair(const CasterTriangle& t, const CasterForms& forms, const L
 /// Does the triangle touch the texel about (x, y)?
 inline bool may_touch(const CasterTriangle& t, double x, double y, double half) {
     for (int i = 0; i < 3; ++i) {
-        const LinearForm& edge = t.edges[i];
-        const double reach = half * (1 + 1e-6) * (magnitude(edge.by_x) + magnitude(edge.by_y));
-        if (edge.at_origin + x * edge.by_x + y * edge.by_y + reach + t.edge_error[i] < 0) return false;
+        const double reach = half * (1 + 1e-6) * (magnitude(t.by_x[i]) + magnitude(t.by_y[i]));
+        if (t.at[i] + x * t.by_x[i] + y * t.by_y[i] + reach + t.error[i] < 0) return false;
     }
     return true;
 }
 
 inline void draw_triangle(const CasterTriangle& t, int row_begin, int row_end, const PairTexels& texels,
                           const Samples& samples, Answers& answers) {
-    const int from = t.row_begin > row_begin ? t.row_begin : row_begin, to = t.row_end < row_end ? t.row_end : row_end;
-    CasterForms forms;
-    make_forms(t, forms);
+    const tile_kernel::TileExtent& extent = t.extent;
+    const int from = extent.row_begin > row_begin ? extent.row_begin : row_begin;
+    const int to = extent.row_end < row_end ? extent.row_end : row_end;
     for (int row = from; row < to; ++row) {
         const double y = (2 * row + 1) * texels.half_size - 1;
-        for (int column = t.column_begin; column < t.column_end; ++column) {
-            const std::size_t texel = std::size_t(row) * std::size_t(texels.side) + std::size_t(column);
-            if (texels.count[texel] == 0) continue;
+        for (int column = extent.column_begin; column < extent.column_end; ++column) {
+            const tile_kernel::Tile& texel =
+                texels.texels[std::size_t(row) * std::size_t(texels.side) + std::size_t(column)];
+            if (texel.count == 0 || double(texel.least_depth) > extent.greatest_depth) continue;
             const double x = (2 * column + 1) * texels.half_size - 1;
             if (!may_touch(t, x, y, texels.half_size)) continue;
             ++answers.texel_pairs;
-            FacetPair* pairs = texels.pairs + texels.first[texel];
-            for (std::uint32_t i = 0; i < texels.count[texel]; ++i)
-                test_pair(t, forms, texels.facets[pairs[i].light_facet], samples, pairs[i], answers);
+            FacetPair* pairs = texels.pairs + texel.first;
+            for (std::uint32_t i = 0; i < texel.count; ++i)
+                test_pair(t, texels.facets[pairs[i].light_facet], samples, pairs[i], answers);
         }
     }
 }

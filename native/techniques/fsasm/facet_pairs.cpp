@@ -5,16 +5,21 @@
 #include <algorithm>
 #include <cmath>
 #include <glm/gtc/matrix_transform.hpp>
+#include <limits>
+#include <utility>
 
 namespace shadow_layers {
 namespace {
 
 using facet_kernel::FacetPair;
 using facet_kernel::LightFacet;
+using tile_kernel::Tile;
 
 constexpr std::size_t kFacetBlock = 1 << 10;
 // Planes this near to the facet, as a part of its depth, are settled with care.
 constexpr double kContact = 1e-5;
+// Beyond the rounding of a depth that is kept as a float.
+constexpr double kDepthReserve = 1e-6;
 
 void copy(const SampleMask& mask, std::uint32_t (&words)[facet_kernel::kWords]) {
     std::copy(mask.words.begin(), mask.words.end(), words);
@@ -37,9 +42,24 @@ LightFacet make_light_facet(const SquareForm& lc) {
     return facet;
 }
 
+/// Bound of depth_rz over the square, less what counts as near: a caster below it shadows none of the facet.
+float find_least_depth(const LightFacet& f) {
+    const double reach = 0.5 * (std::abs(f.by_x[3]) + std::abs(f.by_y[3])), nearest = f.at[3] - reach;
+    if (!(nearest > 0)) return -std::numeric_limits<float>::infinity();
+    const double least = f.at[2] - 0.5 * (std::abs(f.by_x[2]) + std::abs(f.by_y[2])) - f.near;
+    const double depth = least >= 0 ? least / (f.at[3] + reach) : least / nearest;
+    return float(depth - kDepthReserve * std::abs(depth));
+}
+
+void add_to(Tile& texel, float least_depth) {
+    texel.least_depth = texel.count == 0 ? least_depth : std::min(texel.least_depth, least_depth);
+    ++texel.count;
+}
+
 /// The pairs of a block of facets, before they are sorted.
 struct PairBlock {
     std::vector<LightFacet> facets;
+    std::vector<float> least_depths;                             ///< of each facet
     std::vector<std::pair<std::uint32_t, std::uint32_t>> pairs;  ///< texel, facet of the block
 };
 
@@ -82,6 +102,7 @@ private:
         light_facet.triangle = frame_.ids[facet.pixel].triangle;
         const std::uint32_t in_block = std::uint32_t(block.facets.size());
         block.facets.push_back(light_facet);
+        block.least_depths.push_back(find_least_depth(light_facet));
         for (int row = footprint.rect().row_begin; row < footprint.rect().row_end; ++row) {
             int begin, end;
             footprint.find_columns(row, begin, end);
@@ -101,23 +122,21 @@ private:
     PixelTexelPairs sort(const std::vector<PairBlock>& blocks) const {
         PixelTexelPairs result;
         result.side = side_;
-        result.count.assign(std::size_t(side_) * std::size_t(side_), 0);
-        std::size_t total = 0;
-        for (const PairBlock& block : blocks) {
-            total += block.pairs.size();
-            for (const auto& pair : block.pairs) ++result.count[pair.first];
-        }
-        result.first.resize(result.count.size());
-        std::uint32_t next = 0;
-        for (std::size_t texel = 0; texel < result.count.size(); ++texel) {
-            result.first[texel] = next;
-            next += result.count[texel];
+        result.texels.resize(std::size_t(side_) * std::size_t(side_));
+        for (const PairBlock& block : blocks)
+            for (const auto& [texel, facet] : block.pairs) add_to(result.texels[texel], block.least_depths[facet]);
+        std::uint32_t total = 0;
+        for (Tile& texel : result.texels) {
+            texel.first = total;
+            total += std::exchange(texel.count, 0);  // counted again below
         }
         result.pairs.resize(total);
-        std::vector<std::uint32_t> place = result.first;
         for (const PairBlock& block : blocks) {
             const std::uint32_t base = std::uint32_t(result.facets.size());
-            for (const auto& [texel, facet] : block.pairs) result.pairs[place[texel]++].light_facet = base + facet;
+            for (const auto& [index, facet] : block.pairs) {
+                Tile& texel = result.texels[index];
+                result.pairs[texel.first + texel.count++].light_facet = base + facet;
+            }
             result.facets.insert(result.facets.end(), block.facets.begin(), block.facets.end());
         }
         return result;

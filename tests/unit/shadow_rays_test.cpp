@@ -1,0 +1,89 @@
+// SPDX-FileCopyrightText: 2026 Shadow Layers contributors
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Embree's own shadows, which benchmarks time, against the rays in double: they must be shadows of the same scene.
+#include "truth/shadow_rays.h"
+
+#include <gtest/gtest.h>
+
+#include "lights/facing.h"
+#include "lights/light_shape.h"
+#include "support/ray_oracle.h"
+#include "support/technique_scenes.h"
+
+namespace shadow_layers::testing {
+namespace {
+
+/// What a render with auxiliary pictures gives.
+FrameResult to_result(const Frame& frame) {
+    FrameResult result;
+    result.camera_position = frame.origin_ws;
+    result.coverage = {frame.width, frame.height, 1, {}};
+    Image &position = result.aux["position"], &normal = result.aux["normal"], &ids = result.aux["ids"];
+    for (std::size_t pixel = 0; pixel < frame.pixel_count(); ++pixel) {
+        result.coverage.data.push_back(frame.coverage[pixel]);
+        for (int k = 0; k < 3; ++k) {
+            position.data.push_back(frame.positions_rel[pixel][k]);
+            normal.data.push_back(frame.normals[pixel][k]);
+        }
+        const bool is_empty = frame.ids[pixel].instance == kNoId;
+        ids.data.push_back(is_empty ? -1.0f : float(frame.ids[pixel].instance));
+        ids.data.push_back(is_empty ? -1.0f : float(frame.ids[pixel].triangle));
+    }
+    return result;
+}
+
+TEST(ShadowRays, AreTheShadowsOfTheScene) {
+    SceneView view = random_scene(5, 200, 120);
+    view.scene->instances[1].blocker_group = 3;
+    Light sun = make_light(LightKind::Sun, {2, 1.5, 4}, {0, 0, 0}), spot = make_light(LightKind::Spot, {2, 1, 4}, {});
+    spot.blocker_set = ~(std::uint64_t{1} << 3);
+    view.scene->lights = {sun, spot};
+    const RayOracle oracle(view.scene);
+    const Frame frame = oracle.make_frame(view.camera, view.width, view.height);
+    RenderRequest request;
+    request.scene = view.scene;
+    request.jobs = {{0, "sm", {}}, {1, "sm", {}}, {1, "edsm", {}}};
+    truth::ShadowRays rays(2);
+    for (const truth::ShadowRayMode& mode : truth::get_shadow_ray_modes()) {
+        const truth::ShadowRayTimes times = rays.measure(request, to_result(frame), mode);
+        ASSERT_EQ(times.visible.size(), 2u) << "each light once";
+        std::size_t lit = 0;
+        for (std::size_t k = 0; k < 2; ++k) {
+            const Light& light = view.scene->lights[k];
+            const LightPosition position = sample_light_shape(light, 1).front();
+            const auto truth = oracle.compute_visibility(frame, light, position);
+            const FacingRule rule(frame, light, position);
+            std::size_t different = 0, shadowed = 0;
+            for (std::size_t pixel = 0; pixel < truth.size(); ++pixel) {
+                different += (truth[pixel] > 0.5f) != (times.visible[k][pixel] != 0);
+                shadowed += truth[pixel] < 0.5f;
+                lit += rule.classify(pixel) == Facing::Lit;
+            }
+            EXPECT_LE(different, truth.size() / 500) << mode.name;
+            EXPECT_GT(shadowed, truth.size() / 50) << mode.name;
+        }
+        EXPECT_EQ(times.receivers, lit) << mode.name;
+        EXPECT_GT(times.build_ms, 0);
+        EXPECT_GT(times.trace_ms, 0);
+    }
+}
+
+TEST(ShadowRays, WithoutCastersAllIsLit) {
+    SceneView view = box_scene(40, 30);
+    for (Instance& instance : view.scene->instances) instance.flags = kInstanceCamera;
+    view.scene->lights = {make_light(LightKind::Sun, {0, 0, 4}, {0, 0, 0})};
+    RenderRequest request;
+    request.scene = view.scene;
+    request.jobs = {{0, "sm", {}}};
+    const Frame frame = RayOracle(view.scene).make_frame(view.camera, view.width, view.height);
+    truth::ShadowRays rays(1);
+    for (const truth::ShadowRayMode& mode : truth::get_shadow_ray_modes()) {
+        const auto visible = rays.measure(request, to_result(frame), mode).visible.at(0);
+        const FacingRule rule(frame, view.scene->lights[0], sample_light_shape(view.scene->lights[0], 1).front());
+        for (std::size_t pixel = 0; pixel < visible.size(); ++pixel)
+            EXPECT_EQ(visible[pixel] != 0, rule.classify(pixel) != Facing::TurnedAway);
+    }
+}
+
+}  // namespace
+}  // namespace shadow_layers::testing
