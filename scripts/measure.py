@@ -3,7 +3,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Measures what the product claims, prints tables and keeps the numbers in out/measure/.
 
-    scripts/measure.py [NAME ...]   accuracy exact orderings borders speed cycles export memory cancel   (nothing: all)
+    scripts/measure.py [NAME ...]   accuracy exact orderings borders speed hard_speed cycles export memory cancel
+                                 (nothing: all)
 
 Runs with the bpy 4.5 module. A figure over its bound is marked and makes the exit code 1. Times are ratios of medians
 within one process wherever the bound is a ratio; run it on a machine that does nothing else.
@@ -17,81 +18,16 @@ import platform
 import subprocess
 import sys
 from collections.abc import Sequence
-from dataclasses import dataclass, field
 from pathlib import Path
 
 import measure_exactness as exactness
+import measure_hard_speed as hard_speed
 import measure_orderings as orderings
+from measure_kit import Table, build_folder, in_blender, make_model, make_scene, out, root, run
 
-root = Path(__file__).resolve().parent.parent
-out = root / "out" / "measure"
-models = root.parent / "shared" / "models"
 kWrongBounds = {"box": 0.05, "jenga": 0.15, "scorpion": 0.5}
 kPlaneBound = 0.2
 kAcneLeakBound = 0.0005
-
-
-@dataclass
-class Table:
-    title: str
-    columns: list[str]
-    rows: list[list[str]] = field(default_factory=list)
-    over: int = 0
-
-    def add(self, *cells: object, good: bool | None = None) -> None:
-        verdict = "" if good is None else "ok" if good else "OVER"
-        self.over += good is False
-        self.rows.append([*(str(cell) for cell in cells), verdict])
-
-    def print(self) -> None:
-        widths = [max(len(row[k]) for row in [[*self.columns, ""], *self.rows]) for k in range(len(self.columns) + 1)]
-        print(f"\n{self.title}")
-        for row in [[*self.columns, ""], *self.rows]:
-            print("  " + "  ".join(cell.ljust(width) for cell, width in zip(row, widths, strict=True)).rstrip())
-
-
-def env_python(name: str) -> str:
-    command = [root / "scripts" / "setup.sh", "--python", name]
-    return subprocess.run(command, check=True, capture_output=True, text=True).stdout.strip()
-
-
-def run(title: str, *arguments: object) -> None:
-    """Runs a script with the bpy module; its output goes to out/measure/log.txt and is shown where it fails."""
-    print(f"[measure] {title}", flush=True)
-    environment = {"SHADOW_LAYERS_NATIVE": str(build_folder() / "python"), **os.environ}
-    command = [env_python("bpy45"), *(str(argument) for argument in arguments)]
-    done = subprocess.run(command, capture_output=True, text=True, env=environment, check=False)
-    with (out / "log.txt").open("a", encoding="utf-8") as log:
-        log.write(f"$ {' '.join(command)}\n{done.stdout}{done.stderr}\n")
-    if done.returncode:
-        print("\n".join((done.stdout + done.stderr).splitlines()[-25:]), file=sys.stderr)
-        sys.exit(f"[measure] error: {title}: exit code {done.returncode} (above; {out / 'log.txt'})")
-
-
-def build_folder() -> Path:
-    return Path(os.environ.get("SHADOW_LAYERS_BUILD", root / "build" / "release")).resolve()
-
-
-def make_scene(name: str, script: str, *options: object) -> Path:
-    path = out / "scenes" / f"{name}.blend"
-    path.parent.mkdir(parents=True, exist_ok=True)
-    run(f"making scene {name}", root / "test_scenes" / f"{script}.py", path, *options)
-    return path
-
-
-def make_model(name: str, *options: object) -> Path | None:
-    """The scene of a model from the shared folder; None (said in a line) where that is not there."""
-    obj = models / f"{name}.obj"
-    if not obj.is_file():
-        print(f"[measure] {obj} is not there: left out")
-        return None
-    return make_scene("_".join([name, *(str(o).strip("-") for o in options)]), "model", "--obj", obj, *options)
-
-
-def in_blender(name: str, *scenes: Path) -> dict:
-    path = out / f"{name}.json"
-    run(f"measuring {name}", root / "tests" / "blender" / "measure_in_blender.py", name, path, *scenes)
-    return json.loads(path.read_text(encoding="utf-8"))
 
 
 def measure_accuracy() -> Table:
@@ -194,6 +130,26 @@ def measure_speed() -> Table:
     return table
 
 
+def measure_hard_speed() -> Table:
+    """Exact shadows against a shadow map and against rays, in the same rounds; no Blender but for the scene."""
+    table = Table("Exact hard shadows, 1280 x 720, maps of 1024 (medians, ms)", hard_speed.kColumns)
+    scenes = [make_scene("jenga", "jenga"), make_scene("hall", "hall"), make_model("scorpion")]
+    for scene in filter(None, scenes):
+        folder = out / "snapshots" / scene.stem
+        run(f"snapshot of {scene.stem}", root / "addon" / "batch.py", scene, "snapshot", "--out", folder)
+        for samples, repeats in hard_speed.kRepeats.items():
+            path = folder / f"bench_{samples}.json"
+            print(f"[measure] timing {scene.stem}, {samples} samples a pixel", flush=True)
+            command = [build_folder() / "bin" / "shadowcore", "bench", folder / "snapshot.npz",
+                       "--techniques", ",".join(hard_speed.kTechniques), "--samples", samples, "--repeat", repeats,
+                       *hard_speed.kSettings, "--json", path]  # fmt: skip
+            subprocess.run([str(part) for part in command], check=True, stdout=subprocess.DEVNULL)
+            document = json.loads(path.read_text(encoding="utf-8"))
+            cells, good = hard_speed.make_row(scene.stem, samples, document)
+            table.add(*cells, good=good)
+    return table
+
+
 def measure_cycles() -> Table:
     table = Table("F12 to passes (sm, second frame on) against Cycles' visibility mask, 1280 x 720 (median ms)",
                   ["scene", "F12", "Cycles", "Cycles/F12", "bound"])  # fmt: skip
@@ -257,6 +213,7 @@ kMeasures = {
     "orderings": measure_orderings,
     "borders": measure_borders,
     "speed": measure_speed,
+    "hard_speed": measure_hard_speed,
     "cycles": measure_cycles,
     "export": measure_export,
     "memory": measure_memory,
