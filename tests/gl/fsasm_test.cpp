@@ -149,6 +149,17 @@ TEST_F(FSASM, CastersThatDipIntoTheReceiverLackFewSamples) {
     }
 }
 
+// What the camera does not see hides nothing of the receiver, though it comes near it.
+TEST_F(FSASM, CastersThatAreNotSeenTakeNoSamples) {
+    SceneView view = hide_casters(random_scene(31, 200, 112), 0);
+    view.scene->lights = {make_light(LightKind::Spot, {2, 1.5, 4}, {0, 0, 0.5}, 80)};
+    for (const char* validity : {"seen", "line", "off"}) {
+        const TechniqueRun run = runner_.render(view, "fsasm", parameters({{"validity", std::string(validity)}}));
+        EXPECT_GT(run.stats.counters.at("contacts"), 100) << validity;
+        EXPECT_EQ(run.stats.counters.at("valid_samples"), 32 * run.stats.counters.at("silhouette_pixels")) << validity;
+    }
+}
+
 // The rim of the cone cuts pixels, too.
 TEST_F(FSASM, SamplesEqualRaysAtTheRimOfACone) {
     EXPECT_EQ(count_different(hide_casters(tower_scene(200, 112)),

@@ -62,6 +62,7 @@ NearCaster FacetContacts::describe(const PixelIds& caster) const {
     result.corners = frame_.get_corners_rel(caster);
     result.normal = glm::cross(result.corners[1] - result.corners[0], result.corners[2] - result.corners[0]);
     result.rounding = rule_.find_corner_rounding(caster);
+    result.is_seen = (frame_.scene->instances[caster.instance].flags & kInstanceCamera) != 0;
     for (std::size_t i = 0; i < 3; ++i) {
         const glm::dvec3 &p = result.corners[i], &q = result.corners[(i + 1) % 3];
         result.edges[i] = p - q;
@@ -75,6 +76,7 @@ void FacetContacts::settle(const SilhouetteFacet& owner, const NearCaster& caste
                            const std::uint32_t (&occluded)[kWords], facet_kernel::FacetPair& pair) const {
     if (lies_in_plane(glm::dvec3(owner.rel.at), owner.normal, caster.corners, caster.rounding)) return;
     for (int word = 0; word < kWords; ++word) pair.occluded[word] |= occluded[word];
+    if (!caster.is_seen) return;
     if (validity_ == Validity::Line) cut_beyond_line(facet, c, pair);
     if (validity_ == Validity::Seen) cut_hidden(owner, caster, pair);
 }

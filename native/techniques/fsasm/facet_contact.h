@@ -24,6 +24,7 @@ struct NearCaster {
     std::array<glm::dvec3, 3> edges;    ///< p - q of corners p and q
     std::array<glm::dvec3, 3> volumes;  ///< p x q
     double rounding = 0;                ///< of its corners
+    bool is_seen = true;                ///< by the camera: else it takes no samples away
 };
 
 /// Pairs of a caster and a facet that come near each other within the pixel: a caster in the facet's plane does
