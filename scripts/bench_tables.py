@@ -60,7 +60,7 @@ def make_run(run: dict[str, Any], against: Sequence[str] = ()) -> list[str]:
         "layer ratio",
         "resolve ratio",
     ]
-    columns += ["own", "truth", "wrong"] if with_errors else []
+    columns += ["own", "truth", "wrong", "border"] if with_errors else []
     columns.append("stages")
     lines = [f"{head}, {records[0]['triangles']:,} triangles, {records[0]['render_ms']['count']} rounds", ""]
     lines += [make_line(columns), make_line(["---"] * len(columns))]
@@ -92,7 +92,7 @@ def make_cells(record: dict[str, Any], axes: list[str], others: Sequence[float |
     cells.append(describe_number(record["layers_ratio_to_sm"], 2))
     cells.append(describe_number(record["stage_ratio_to_sm"].get("resolve"), 2))
     if with_errors:
-        cells += describe_errors(record["errors"])
+        cells += [*describe_errors(record["errors"]), describe_border(record["errors"])]
     cells.append(describe_stages(record["stage_ms"]))
     return cells
 
@@ -114,6 +114,12 @@ def describe_errors(errors: dict[str, Any] | None) -> list[str]:
         world = errors["footprint_world"]
         truth += f" {world:.3g} units" if world > 0 else f" {errors['footprint_texels']:.3g} texels"
     return [f"{100 * errors['own']['mean_absolute']:.3f}", truth, f"{100 * errors['hard']['wrong_fraction']:.3f}"]
+
+
+def describe_border(errors: dict[str, Any] | None) -> str:
+    """Mean error of the pixels whose truth is neither 0 nor 1; of antialiased layers alone."""
+    found = errors and errors["truth"] == "pixel" and errors["own"]["border_mean_absolute"]
+    return f"{100 * found:.2f}" if found else ""
 
 
 def describe_stages(stages: dict[str, dict[str, float]]) -> str:
