@@ -3,7 +3,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Measures what the product claims, prints tables and keeps the numbers in out/measure/.
 
-    scripts/measure.py [NAME ...]   accuracy exact orderings borders speed cycles export memory cancel   (nothing: all)
+    scripts/measure.py [NAME ...]   accuracy exact edsm_causes orderings borders speed cycles export memory cancel
+                               (nothing: all)
 
 Runs with the bpy 4.5 module. A figure over its bound is marked and makes the exit code 1. Times are ratios of medians
 within one process wherever the bound is a ratio; run it on a machine that does nothing else.
@@ -20,6 +21,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 
+import measure_edsm_causes as edsm_causes
 import measure_exactness as exactness
 import measure_orderings as orderings
 
@@ -150,6 +152,26 @@ def measure_exact() -> Table:
     return table
 
 
+def make_snapshot(scene: Path) -> Path:
+    path = out / "snapshots" / f"{scene.stem}.npz"
+    folder = path.with_suffix("")
+    run(f"exporting {scene.stem}", root / "addon" / "batch.py", scene, "snapshot", "--out", folder)
+    return (folder / "snapshot.npz").rename(path)
+
+
+def measure_edsm_causes() -> Table:
+    """Wrong pixels of edsm by cause, against exact rays."""
+    scenes = [make_scene(name, name) for name in edsm_causes.kScenes]
+    scenes += filter(None, (make_model(name) for name in edsm_causes.kModels))
+    snapshots = [make_snapshot(scene) for scene in scenes]
+    program = edsm_causes.build_program(build_folder())
+    columns, rows = edsm_causes.read_table(edsm_causes.run_program(program, snapshots))
+    table = Table("Wrong pixels of edsm in a million, by cause, 1280 x 720", columns)
+    for row in rows:
+        table.add(*row, good=edsm_causes.adds_up(row))
+    return table
+
+
 def measure_orderings() -> Table:
     """What papers 003 and 004 say of their techniques, on the same settings."""
     table = Table("Orderings, 1280 x 720, maps of 512", ["what", "scene", "technique", "figure", "bound", "beside it"])
@@ -254,6 +276,7 @@ def measure_cancel() -> Table:
 kMeasures = {
     "accuracy": measure_accuracy,
     "exact": measure_exact,
+    "edsm_causes": measure_edsm_causes,
     "orderings": measure_orderings,
     "borders": measure_borders,
     "speed": measure_speed,

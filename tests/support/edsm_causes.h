@@ -21,7 +21,7 @@ enum class EDSMCause : std::uint8_t {
     DepthTest,     ///< one of the map's tests is wrong; with the exact ones the same edges give the right answer
     TwoEdges,      ///< border edges that don't meet in the footprint: a texel keeps one
     Corner,        ///< border edges with an end in the footprint
-    Meeting,       ///< no border edge, though exact tests disagree: the border is where surfaces cut each other
+    Meeting,       ///< no border edge, though exact tests disagree: surfaces, also the receiver's own, cut its plane
     OtherEdge,     ///< one border edge; a texel holds another one, which is no border here
     NotStored,     ///< one border edge; no texel holds an edge that lies before the receiver
     Rounding,      ///< one border edge, and every edge that the texels hold is that one
