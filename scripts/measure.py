@@ -3,8 +3,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Measures what the product claims, prints tables and keeps the numbers in out/measure/.
 
-    scripts/measure.py [NAME ...]   accuracy exact orderings borders speed hard_speed cycles export memory cancel
-                                 (nothing: all)
+    scripts/measure.py [NAME ...]   accuracy exact edsm_causes orderings borders speed hard_speed cycles export memory
+                                    cancel   (nothing: all)
 
 Runs with the bpy 4.5 module. A figure over its bound is marked and makes the exit code 1. Times are ratios of medians
 within one process wherever the bound is a ratio; run it on a machine that does nothing else.
@@ -20,10 +20,11 @@ import sys
 from collections.abc import Sequence
 from pathlib import Path
 
+import measure_edsm_causes as edsm_causes
 import measure_exactness as exactness
 import measure_hard_speed as hard_speed
 import measure_orderings as orderings
-from measure_kit import Table, build_folder, in_blender, make_model, make_scene, out, root, run
+from measure_kit import Table, build_folder, in_blender, make_model, make_scene, make_snapshot, out, root, run
 
 kWrongBounds = {"box": 0.05, "jenga": 0.15, "scorpion": 0.5}
 kPlaneBound = 0.2
@@ -86,6 +87,19 @@ def measure_exact() -> Table:
     return table
 
 
+def measure_edsm_causes() -> Table:
+    """Wrong pixels of edsm by cause, against exact rays."""
+    scenes = [make_scene(name, name) for name in edsm_causes.kScenes]
+    scenes += filter(None, (make_model(name) for name in edsm_causes.kModels))
+    snapshots = [make_snapshot(scene) for scene in scenes]
+    program = edsm_causes.build_program(build_folder())
+    columns, rows = edsm_causes.read_table(edsm_causes.run_program(program, snapshots))
+    table = Table("Wrong pixels of edsm in a million, by cause, 1280 x 720", columns)
+    for row in rows:
+        table.add(*row, good=edsm_causes.adds_up(row))
+    return table
+
+
 def measure_orderings() -> Table:
     """What papers 003 and 004 say of their techniques, on the same settings."""
     table = Table("Orderings, 1280 x 720, maps of 512", ["what", "scene", "technique", "figure", "bound", "beside it"])
@@ -135,12 +149,11 @@ def measure_hard_speed() -> Table:
     table = Table("Exact hard shadows, 1280 x 720, maps of 1024 (medians, ms)", hard_speed.kColumns)
     scenes = [make_scene("jenga", "jenga"), make_scene("hall", "hall"), make_model("scorpion")]
     for scene in filter(None, scenes):
-        folder = out / "snapshots" / scene.stem
-        run(f"snapshot of {scene.stem}", root / "addon" / "batch.py", scene, "snapshot", "--out", folder)
+        snapshot = make_snapshot(scene)
         for samples, repeats in hard_speed.kRepeats.items():
-            path = folder / f"bench_{samples}.json"
+            path = out / f"hard_speed_{scene.stem}_{samples}.json"
             print(f"[measure] timing {scene.stem}, {samples} samples a pixel", flush=True)
-            command = [build_folder() / "bin" / "shadowcore", "bench", folder / "snapshot.npz",
+            command = [build_folder() / "bin" / "shadowcore", "bench", snapshot,
                        "--techniques", ",".join(hard_speed.kTechniques), "--samples", samples, "--repeat", repeats,
                        *hard_speed.kSettings, "--json", path]  # fmt: skip
             subprocess.run([str(part) for part in command], check=True, stdout=subprocess.DEVNULL)
@@ -210,6 +223,7 @@ def measure_cancel() -> Table:
 kMeasures = {
     "accuracy": measure_accuracy,
     "exact": measure_exact,
+    "edsm_causes": measure_edsm_causes,
     "orderings": measure_orderings,
     "borders": measure_borders,
     "speed": measure_speed,

@@ -75,3 +75,10 @@ def in_blender(name: str, *scenes: Path) -> dict:
     path = out / f"{name}.json"
     run(f"measuring {name}", root / "tests" / "blender" / "measure_in_blender.py", name, path, *scenes)
     return json.loads(path.read_text(encoding="utf-8"))
+
+
+def make_snapshot(scene: Path) -> Path:
+    path = out / "snapshots" / f"{scene.stem}.npz"
+    folder = path.with_suffix("")
+    run(f"exporting {scene.stem}", root / "addon" / "batch.py", scene, "snapshot", "--out", folder)
+    return (folder / "snapshot.npz").rename(path)

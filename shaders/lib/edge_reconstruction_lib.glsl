@@ -10,7 +10,7 @@
 // give the signs and the map gives only distances, or one line that agrees with all four tests.
 
 struct EdgeTexel {
-    vec2 normal;     // unit, of the line through the texel's nearest edge
+    vec2 normal;     // unit, of the line through the texel's nearest edge, towards its lit side
     float distance;  // signed along normal, from the texel's centre
     bool relevant;   // false: no edge here, or one that lies behind the receiver
 };
@@ -24,8 +24,8 @@ vec4 bilinear_weights(vec2 at) {
 // What the footprint's texels say, one after the other. Two answers are kept:
 //   forced  - tests give the sign, texels the distance: sum of w_k (s_k ? m_k : -m_k). `missing` is the distance
 //             of a texel without an edge; 1/2 puts the border midway between disagreeing tests;
-//   by line - a line is believed if it has all lit corners on one side and all others on the other. Of several, that of
-//             the nearest texel counts.
+//   by line - a line is believed if it has all lit corners on its lit side and all others on the other. Of several,
+//             that of the nearest texel counts. A line that separates them the other way round is another caster's.
 struct BorderEstimate {
     float forced;       // signed distance
     float by_line;      // signed distance, if line_weight > 0
@@ -45,12 +45,10 @@ void add_texel(inout BorderEstimate estimate, EdgeTexel texel, vec2 corner, floa
     vec2 normal = texel.normal;
     float at_origin = texel.distance - dot(normal, corner);
     vec4 agreement = (at_origin + vec4(0.0, normal.x, normal.y, normal.x + normal.y)) * signs;
-    bool same = all(greaterThan(agreement, vec4(-kLineTolerance)));
-    bool opposite = all(lessThan(agreement, vec4(kLineTolerance)));
-    if (texel.relevant && (same || opposite) && weight > estimate.line_weight) {
-        float value = at_origin + dot(normal, at);
+    bool agrees = all(greaterThan(agreement, vec4(-kLineTolerance)));
+    if (texel.relevant && agrees && weight > estimate.line_weight) {
         estimate.line_weight = weight;
-        estimate.by_line = same ? value : -value;
+        estimate.by_line = at_origin + dot(normal, at);
     }
 }
 

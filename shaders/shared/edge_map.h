@@ -18,9 +18,11 @@ struct MapEdge {
 };
 
 // Texel of the edge distance map (RGBA16F): unit normal of the nearest edge's line (towards its lit side), signed
-// distance of the texel's centre along it in texels, depth_rz of the edge at its nearest point. The clear value lies
-// behind all. Half floats put a border within 1/500 texel of where it belongs, at half the memory traffic.
+// distance of the texel's centre along it in texels, depth of the edge at its nearest point (shaders/lib/
+// edge_depth_lib.glsl). The clear value lies behind all. Half floats put a border within 1/500 texel of where it
+// belongs, at half the memory traffic.
 const float kNoEdgeDepth = -1.0f;
+const float kGreatestEdgeDepth = 60000.0f;        // half floats end at 65504
 const float kEdgeDepthRounding = 1.0f / 1024.0f;  // relative, of a depth in a half float, with some room
 
 #ifdef __cplusplus

@@ -3,6 +3,7 @@
 // What a texel keeps of the edge, if the edge is seen from the light. The depth buffer sorts: smallest priority wins.
 // Defines: EDGE_ORDER (lib/edge_lib.glsl), OWN_TEXEL_TEST (1: the thesis's test of the edge against one texel).
 // Based on: [Kenzel13] 4.2.1.
+#include "lib/edge_depth_lib.glsl"
 #include "lib/edge_lib.glsl"
 #include "shared/edge_map.h"
 #include "shared/light_params.h"
@@ -11,6 +12,7 @@ layout(binding = kDepthMapUnit) uniform sampler2DArrayShadow depth_map_tx;
 layout(location = 0) uniform float u_reach_texels;
 layout(location = 1) uniform float u_size_texels;
 layout(location = 2) uniform int u_layer;
+layout(location = 3) uniform float u_depth_scale;
 
 flat in vec3 edge_start;
 flat in vec3 edge_end;
@@ -32,7 +34,7 @@ void main() {
 #endif
     if (seen <= 0.0) discard;
     // Seen from the light the caster is on the left of the edge (scene/silhouettes.h), where edge.normal points.
-    edge_texel = vec4(-edge.normal, -edge.line_distance, depth_rz);
+    edge_texel = vec4(-edge.normal, -edge.line_distance, encode_edge_depth(depth_rz, u_depth_scale));
     // Distances on a quad are below 2 reach; a cosine is at most 1.
     gl_FragDepth = edge_priority(EDGE_ORDER, edge) / (4.0 * u_reach_texels + 2.0);
 }

@@ -4,6 +4,7 @@
 // Defines: SOFT (1: a kernel over the distance instead of its sign).
 // Based on: [Kenzel13] 4.2.2 and figure 6.1. Differences: docs/techniques/edsm.md.
 #include "stages/resolve_inputs.glsl"
+#include "lib/edge_depth_lib.glsl"
 #include "lib/edge_reconstruction_lib.glsl"
 #include "shared/edge_map.h"
 
@@ -27,10 +28,11 @@ bool is_border(EdgeTexel edge, vec2 centre, MapPoint point, int layer) {
 }
 #endif
 
-EdgeTexel fetch_edge(ivec2 texel, int layer, float depth_rz) {
+// `receiver_depth`: encoded as the map's.
+EdgeTexel fetch_edge(ivec2 texel, int layer, float receiver_depth) {
     ivec2 inside = clamp(texel, ivec2(0), ivec2(int(light.map.x) - 1));
     vec4 stored = texelFetch(edge_map_tx, ivec3(inside, max(layer, 0)), 0);
-    return EdgeTexel(stored.xy, stored.z, stored.w * (1.0 + kEdgeDepthRounding) >= depth_rz);
+    return EdgeTexel(stored.xy, stored.z, stored.w * (1.0 + kEdgeDepthRounding) >= receiver_depth);
 }
 
 void main() {
@@ -51,12 +53,13 @@ void main() {
 #else
     int trips = decided || agree ? 0 : 4;
 #endif
+    float receiver_depth = encode_edge_depth(point.depth_rz, edge_depth_scale(light.lc_from_rel[max(layer, 0)]));
     vec4 weights = bilinear_weights(at);
     vec4 signs = 2.0 * lit - 1.0;
     BorderEstimate estimate = kNoEstimate;
     for (int k = 0; k < trips; ++k) {
         ivec2 offset = ivec2(k & 1, k >> 1);
-        EdgeTexel texel = fetch_edge(ivec2(corner) + offset, layer, point.depth_rz);
+        EdgeTexel texel = fetch_edge(ivec2(corner) + offset, layer, receiver_depth);
 #if SOFT
         texel.relevant = texel.relevant && is_border(texel, corner + 0.5 + vec2(offset), point, layer);
 #endif
