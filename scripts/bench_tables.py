@@ -118,8 +118,10 @@ def describe_errors(errors: dict[str, Any] | None) -> list[str]:
 
 def describe_border(errors: dict[str, Any] | None) -> str:
     """Mean error of the pixels whose truth is neither 0 nor 1; of antialiased layers alone."""
-    found = errors and errors["truth"] == "pixel" and errors["own"]["border_mean_absolute"]
-    return f"{100 * found:.2f}" if found else ""
+    if not errors or errors["truth"] != "pixel":
+        return ""
+    share = errors["own"]["border_mean_absolute"]
+    return describe_number(None if share is None else 100 * share, 2)
 
 
 def describe_stages(stages: dict[str, dict[str, float]]) -> str:

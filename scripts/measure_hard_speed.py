@@ -27,7 +27,7 @@ def find_render_ms(document: dict[str, Any], technique: str) -> float:
 def find_stages_ms(document: dict[str, Any]) -> float:
     """What `exact` itself takes: the longer of CPU and GL time of its stages."""
     record = next(record for record in document["records"] if record["technique"] == "exact")
-    return sum(record["time_ms"][stage] for stage in kExactStages)
+    return sum(record["stage_ms"][stage]["median"] for stage in kExactStages)
 
 
 def find_rays_ms(document: dict[str, Any], instanced: bool) -> tuple[float, float]:

@@ -6,6 +6,7 @@
 #include <memory>
 
 #include "base/hash.h"
+#include "scene/bounds.h"
 #include "scene/mesh_clusters.h"
 
 namespace shadow_layers {
@@ -26,9 +27,8 @@ bool find_box_extent(const MeshClusters::Box& box, const glm::dmat4& lc_from_obj
                      tile_kernel::TileExtent& extent) {
     if (box.is_empty()) return false;
     ClipCorner corners[8];
-    for (int k = 0; k < 8; ++k)
-        corners[k] = project_corner(lc_from_object, {k & 1 ? box.max.x : box.min.x, k & 2 ? box.max.y : box.min.y,
-                                                     k & 4 ? box.max.z : box.min.z});
+    const Bounds bounds{glm::dvec3(box.min), glm::dvec3(box.max)};
+    for (int k = 0; k < 8; ++k) corners[k] = project_corner(lc_from_object, box_corner(bounds, k));
     return find_extent(corners, grid, extent);
 }
 
@@ -41,15 +41,17 @@ bool may_meet_receivers(const CasterCluster& cluster, const CasterGrid& grid) {
 std::vector<CasterCluster> list_clusters(Engine& engine, const Scene& scene, const CasterRow& casters,
                                          const CasterGrid& grid) {
     const std::size_t count = casters.instances().size();
-    std::vector<std::shared_ptr<const MeshClusters>> clusters;
-    for (const std::uint32_t index : casters.instances())
-        clusters.push_back(get_clusters(engine, *scene.meshes[scene.instances[index].mesh]));
+    std::vector<std::shared_ptr<const MeshClusters>> clusters(scene.meshes.size());  // of the meshes that cast
+    for (const std::uint32_t index : casters.instances()) {
+        const std::uint32_t mesh = scene.instances[index].mesh;
+        if (!clusters[mesh]) clusters[mesh] = get_clusters(engine, *scene.meshes[mesh]);
+    }
     std::vector<std::vector<CasterCluster>> parts((count + kCasterBlock - 1) / kCasterBlock);
     engine.threads().parallel_for(count, kCasterBlock, [&](std::size_t from, std::size_t to) {
         std::vector<CasterCluster>& part = parts[from / kCasterBlock];
         for (std::size_t caster = from; caster < to; ++caster) {
             std::size_t begin = casters.first(caster);
-            for (const MeshClusters::Box& box : clusters[caster]->boxes) {
+            for (const MeshClusters::Box& box : clusters[scene.instances[casters.instances()[caster]].mesh]->boxes) {
                 CasterCluster cluster;
                 cluster.begin = begin;
                 cluster.end = begin = std::min(begin + kClusterTriangles, casters.first(caster + 1));

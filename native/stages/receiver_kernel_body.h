@@ -40,22 +40,15 @@ inline void find_facing(const facing::Source& source, const float* positions, co
     Values normal[3], in_cone, turned;
     spread(positions, lanes.x), spread(positions + 1, lanes.y), spread(positions + 2, lanes.z);
     for (int k = 0; k < 3; ++k) spread(normals + k, normal[k].at);
-    Doubles farthest(0.0);
     for (int i = 0; i < kLaneCount; i += kDoubles) {
         const Vector receiver{load(lanes.x + i), load(lanes.y + i), load(lanes.z + i)};
         const Vector up{load(normal[0].at + i), load(normal[1].at + i), load(normal[2].at + i)};
         const Vector to_light = facing::find_to_light(source, receiver);
         set_flags(facing::dot(up, to_light) > Doubles(0.0), turned.at + i);
         if (source.cone_cos > -1) set_flags(facing::is_in_cone(source, to_light), in_cone.at + i);
-        farthest = xsimd::max(farthest, facing::dot(receiver, receiver));
     }
     store(turned, lanes.turned_to_light);
     if (source.cone_cos > -1) store(in_cone, lanes.in_cone);
-    double most[kDoubles];
-    farthest.store_unaligned(most);
-    lanes.farthest_squared = 0;
-    for (const double value : most)
-        if (value > lanes.farthest_squared) lanes.farthest_squared = value;
 }
 
 inline void place_receivers(const Projection& projection, ReceiverLanes& lanes) {

@@ -3,7 +3,6 @@
 #include "stages/receiver_tiles.h"
 
 #include <algorithm>
-#include <atomic>
 #include <bit>
 #include <cmath>
 #include <glm/gtc/matrix_transform.hpp>
@@ -43,7 +42,9 @@ int choose_side(std::size_t pixel_count) {
 /// Makes room for `count` values, with a reserve where what is there doesn't do; nothing is cleared.
 template <class T>
 void make_room(std::vector<T>& values, std::size_t count) {
-    if (values.size() < count || values.size() / 4 > count) values = std::vector<T>(count + count / 8);
+    if (values.size() >= count && values.size() / 4 <= count) return;
+    values = {};  // frees before it takes
+    values = std::vector<T>(count + count / 8);
 }
 
 }  // namespace
@@ -110,8 +111,7 @@ private:
         for (std::size_t first = begin; first < end; first += ReceiverLanes::kCount) {
             const int count = int(std::min(std::size_t(ReceiverLanes::kCount), end - first));
             const std::uint32_t lit = classify(first, count, lanes);
-            farthest_squared = std::max(farthest_squared, lanes.farthest_squared);
-            next = place(first, lit, lanes, counts, next);
+            next = place(first, lit, lanes, counts, next, farthest_squared);
         }
         parts_[part] = {std::size_t(next - sorter_.places_.data()), std::sqrt(farthest_squared)};
     }
@@ -159,7 +159,8 @@ private:
     }
 
     /// Finds the tiles of these lanes, view by view, and counts them.
-    Place* place(std::size_t first, std::uint32_t lit, ReceiverLanes& lanes, std::uint32_t* counts, Place* next) const {
+    Place* place(std::size_t first, std::uint32_t lit, ReceiverLanes& lanes, std::uint32_t* counts, Place* next,
+                 double& farthest_squared) const {
         while (lit != 0) {
             const int view = find_view(first + std::size_t(std::countr_zero(lit)));
             std::uint32_t here = keep_view(first, lit, view);
@@ -171,6 +172,8 @@ private:
                 const int i = std::countr_zero(here);
                 if (lanes.tile[i] < 0) continue;
                 const std::uint32_t tile = first_tile + std::uint32_t(lanes.tile[i]);
+                const glm::dvec3 receiver(lanes.x[i], lanes.y[i], lanes.z[i]);
+                farthest_squared = std::max(farthest_squared, glm::dot(receiver, receiver));
                 *next++ = {lanes.tile_x[i], lanes.tile_y[i],
                            lanes.depth[i],  tile,
                            counts[tile]++,  std::uint32_t(first) + std::uint32_t(i)};

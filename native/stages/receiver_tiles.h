@@ -30,8 +30,8 @@ struct ReceiverTiles {
 class ReceiverSorter {
 public:
     /// Takes the receivers whose visibility the casters decide, each to the view that holds it; receivers that no view
-    /// holds are left out. There are at most `most_tiles` tiles per side. The order within a tile may differ from run
-    /// to run.
+    /// holds are left out. There are at most `most_tiles` tiles per side. Within a tile they lie in the order of
+    /// pixels.
     void sort(const Frame& frame, const Light& light, const LightPosition& position, int most_tiles,
               ThreadPool& threads);
 

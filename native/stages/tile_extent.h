@@ -4,18 +4,41 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
 #include <glm/glm.hpp>
+#include <iterator>
 #include <limits>
+#include <type_traits>
 
 #include "stages/tile_kernel.h"
 
 namespace shadow_layers {
 
 /// The tiles of a view that casters are set up for.
-struct CasterGrid {
-    int side = 1;
-    double margin = 0;                         ///< by how many clip units a receiver may be off its place
-    const tile_kernel::Tile* tiles = nullptr;  ///< side x side; null: their receivers are not asked for
+class CasterGrid {
+public:
+    /// `margin`: by how many clip units a receiver may be off its place. Without tiles none is asked for.
+    CasterGrid(int side, double margin) : side(side), margin(margin) {}
+    /// `tiles`: side x side, row-major, of any kind.
+    template <class Tile>
+    CasterGrid(int side, double margin, const Tile* tiles)
+        : side(side), margin(margin), tiles_(reinterpret_cast<const std::byte*>(tiles)), stride_(sizeof(Tile)) {
+        static_assert(std::is_same_v<Tile, tile_kernel::TileContent> ||
+                      std::is_base_of_v<tile_kernel::TileContent, Tile>);
+    }
+
+    bool has_tiles() const { return tiles_ != nullptr; }
+    const tile_kernel::TileContent& tile(int column, int row) const {
+        const std::size_t index = std::size_t(row) * std::size_t(side) + std::size_t(column);
+        return *reinterpret_cast<const tile_kernel::TileContent*>(tiles_ + index * stride_);
+    }
+
+    int side;
+    double margin;
+
+private:
+    const std::byte* tiles_ = nullptr;
+    std::size_t stride_ = 0;
 };
 
 /// Clip coordinates: (x, y, w) as edge functions take them, and z.

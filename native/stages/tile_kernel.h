@@ -17,7 +17,6 @@ struct alignas(64) ReceiverLanes {
     // set by find_facing
     double x[kCount], y[kCount], z[kCount];                 ///< relative to the frame's origin
     std::int32_t in_cone[kCount], turned_to_light[kCount];  ///< 1 = yes, 0 = no
-    double farthest_squared;                                ///< distance from the frame's origin
     // set by place_receivers
     std::int32_t tile[kCount];                            ///< in the view; -1: outside of it
     float tile_x[kCount], tile_y[kCount], depth[kCount];  ///< about the tile's middle, clip units
@@ -56,11 +55,17 @@ struct alignas(64) ReceiverBlock {
     std::uint32_t pixel[kLanes];
 };
 
-struct Tile {
-    std::uint32_t first = 0, count = 0;      ///< first block; receivers, in as many blocks as they need
-    float least_depth = 0;                   ///< of its receivers: of the one farthest from the light
-    float place_error = 0, depth_error = 0;  ///< how far off x, y may be, because the frame's positions are rounded
-    std::uint32_t busy = 0;                  ///< 1 while a thread draws over it
+/// What lies in a tile, as casters are culled by it.
+struct TileContent {
+    std::uint32_t first = 0, count = 0;
+    float least_depth = 0;  ///< of what is farthest from the light
+    float depth_error = 0;  ///< by how much depths may be off
+};
+
+/// A tile of receivers: first block, and how many receivers lie in it and the next ones.
+struct Tile : TileContent {
+    float place_error = 0;   ///< how far off x, y may be, because the frame's positions are rounded
+    std::uint32_t busy = 0;  ///< 1 while a thread draws over it
     std::uint32_t instance = kMixed, triangle = kMixed;  ///< that all its receivers lie on, if it is one
 
     static constexpr std::uint32_t kMixed = 0xffffffffu;

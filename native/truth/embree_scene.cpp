@@ -58,7 +58,7 @@ void EmbreeScene::build() {
             rtcCommitScene(scenes_.back());
         }
     }
-    if (places_.empty() && scenes_.front()) return;
+    if (places_.empty() && !scenes_.empty() && scenes_.front()) return;
     const RTCScene top = make_scene();
     for (const auto& [part, matrix] : places_) attach_instance(top, scenes_[part], matrix);
     rtcCommitScene(top);

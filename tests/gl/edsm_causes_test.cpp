@@ -27,9 +27,7 @@ protected:
     EDSMCauses count(const SceneView& view, std::int64_t map_size = 64) {
         const truth::RayOracle oracle(view.scene);
         const EDSMCauses causes = count_edsm_causes(runner_, view, oracle, parameters({{"map_size", map_size}}));
-        std::size_t sum = 0;
-        for (const std::size_t part : causes.by_cause) sum += part;
-        EXPECT_EQ(sum, causes.wrong);
+        EXPECT_GT(causes.compared, 100000u) << "most of the picture is decided by the casters";
         EXPECT_EQ(causes.not_replayed, 0u) << "the replay is not the technique";
         return causes;
     }

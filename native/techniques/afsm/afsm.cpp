@@ -38,6 +38,8 @@ public:
                              : compute_at_offset(engine, task, get_afsm_offset(k, samples));
             for (std::size_t pixel = 0; pixel < lit.size(); ++pixel) lit[pixel] += visible[pixel];
         }
+        lists_.count_bytes(engine);
+        engine.count("list_bytes", std::int64_t(sorter_.byte_size()));
         Image image{task.frame.width, task.frame.height, 1, std::vector<float>(lit.size())};
         for (std::size_t pixel = 0; pixel < lit.size(); ++pixel) image.data[pixel] = float(lit[pixel]) / float(samples);
         outputs.set("visibility", std::move(image));
@@ -59,7 +61,6 @@ private:
         {
             const auto timer = engine.time_stage("receiver_tiles");
             sorter_.sort(frame, light, position, kMostTiles, engine.threads());
-            engine.count("list_bytes", std::int64_t(sorter_.byte_size()));
         }
         const OcclusionRule rule(frame, position);
         for (std::size_t view = 0; view < position.views.size(); ++view)

@@ -43,7 +43,7 @@ glm::vec4 make_float_form(const tile_kernel::CasterTriangle& t, int form, int co
 
 }  // namespace
 
-PlacedReceivers make_list_receivers(const Frame& frame, const ReceiverTiles& sorted, int side, ThreadPool& threads) {
+PlacedReceivers make_list_receivers(const ReceiverTiles& sorted, int side, ThreadPool& threads) {
     PlacedReceivers placed{std::vector<ListReceiver>(sorted.receiver_count),
                            std::vector<std::uint32_t>(sorted.receiver_count)};
     std::vector<std::uint32_t> first(sorted.tiles.size());
@@ -67,10 +67,9 @@ PlacedReceivers make_list_receivers(const Frame& frame, const ReceiverTiles& sor
                 receiver.depth = block.depth[i % kLanes];
                 receiver.place_error = float((error * to_texels + kFloatRounding) * (1 + kFloatRounding));
                 receiver.depth_error = tile.depth_error;
-                const std::uint32_t pixel = block.pixel[i % kLanes];
-                placed.pixels[first[index] + i] = pixel;
-                receiver.instance = frame.ids[pixel].instance;
-                receiver.triangle = frame.ids[pixel].triangle;
+                placed.pixels[first[index] + i] = block.pixel[i % kLanes];
+                receiver.instance = block.instance[i % kLanes];
+                receiver.triangle = block.triangle[i % kLanes];
             }
         }
     });

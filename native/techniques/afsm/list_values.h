@@ -23,7 +23,7 @@ struct PlacedReceivers {
 };
 
 /// In the order of `sorted`; the map has side x side texels.
-PlacedReceivers make_list_receivers(const Frame& frame, const ReceiverTiles& sorted, int side, ThreadPool& threads);
+PlacedReceivers make_list_receivers(const ReceiverTiles& sorted, int side, ThreadPool& threads);
 
 /// A caster that is set up over the texels of a map of side x side, in float with bounds of its errors.
 ListCaster make_list_caster(const tile_kernel::CasterTriangle& triangle, int side);

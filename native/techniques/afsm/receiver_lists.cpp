@@ -4,7 +4,7 @@
 
 #include <algorithm>
 #include <atomic>
-#include <limits>
+#include <utility>
 
 #include "scene/mesh_clusters.h"
 #include "stages/caster_clusters.h"
@@ -71,10 +71,12 @@ void ReceiverLists::fit(Engine& engine, int side, std::size_t receivers) {
     open_buf_ = gl::Buffer(device, receivers * sizeof(glm::uvec2), "open pairs");
 }
 
-std::int64_t ReceiverLists::byte_size() const {
+void ReceiverLists::count_bytes(Engine& engine) {
     const std::size_t texels = std::size_t(side_) * std::size_t(side_) * 3 * sizeof(std::uint32_t);
-    return std::int64_t(texels + receivers_buf_.byte_size() + next_buf_.byte_size() + blocked_buf_.byte_size() +
-                        open_buf_.byte_size());
+    engine.count("map_bytes",
+                 std::int64_t(texels + receivers_buf_.byte_size() + next_buf_.byte_size() + blocked_buf_.byte_size() +
+                              open_buf_.byte_size() + casters_buf_.byte_size()));
+    engine.count("list_bytes", std::int64_t(std::exchange(placed_bytes_, 0)));
 }
 
 void ReceiverLists::insert(Engine& engine, std::span<const ListReceiver> receivers) {
@@ -112,15 +114,14 @@ void ReceiverLists::draw(Engine& engine, const Task& task, std::vector<std::uint
     PlacedReceivers placed;
     {
         const auto timer = engine.time_stage("receiver_places");
-        placed = make_list_receivers(task.frame, task.sorted, side, engine.threads());
+        placed = make_list_receivers(task.sorted, side, engine.threads());
     }
     float place_error = 0;
     for (const ListReceiver& receiver : placed.receivers) place_error = std::max(place_error, receiver.place_error);
     const std::size_t most =
         std::min(engine.limits().max_ssbo_bytes / sizeof(ListReceiver), kMostGroups * kInsertGroup);
     fit(engine, side, std::min(total, most));
-    engine.count("map_bytes", byte_size());
-    engine.count("list_bytes", std::int64_t(placed.byte_size()));
+    placed_bytes_ = std::max(placed_bytes_, placed.byte_size());
     for (std::size_t first = 0; first < total; first += most) {
         engine.check_cancelled();
         const std::size_t count = std::min(most, total - first);

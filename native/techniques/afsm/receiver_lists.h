@@ -26,9 +26,11 @@ public:
         const ReceiverTiles& sorted;
     };
     /// Sets visible[pixel] = 0 for the receivers of the view that a caster shadows. Counts "receivers",
-    /// "caster_triangles", "list_tests", "open_pairs" (settled in double), "redraws", "map_bytes",
-    /// "list_bytes".
+    /// "caster_triangles", "list_tests", "open_pairs" (settled in double), "redraws".
     void draw(Engine& engine, const Task& task, std::vector<std::uint8_t>& visible);
+    /// Counts "map_bytes" (buffers, kept from draw to draw) and "list_bytes" (receivers on the CPU, at their most since
+    /// the last call).
+    void count_bytes(Engine& engine);
 
 private:
     /// Consecutive receivers of a view, as many as the buffers hold.
@@ -43,7 +45,6 @@ private:
     void draw_piece(Engine& engine, const Slice& slice, std::size_t begin, std::size_t end);
     void settle(Engine& engine, const Slice& slice, std::size_t pair_count) const;
     void take_answers(Engine& engine, const Slice& slice) const;
-    std::int64_t byte_size() const;
 
     int side_ = 0;
     std::size_t capacity_ = 0;  ///< receivers, and open pairs
@@ -51,6 +52,7 @@ private:
     gl::Framebuffer target_;
     gl::Buffer receivers_buf_, next_buf_, blocked_buf_, casters_buf_, counts_buf_, open_buf_;
     std::vector<ListCaster> casters_;  ///< in casters_buf_
+    std::size_t placed_bytes_ = 0;
     std::int64_t tests_ = 0, open_pairs_ = 0, redraws_ = 0;
 };
 

@@ -42,7 +42,7 @@ struct FacetPair {
 struct PairTexels {
     int side;
     double half_size;  ///< of a texel, in clip units
-    const tile_kernel::Tile* texels;
+    const tile_kernel::TileContent* texels;
     FacetPair* pairs;
     const LightFacet* facets;
 };

@@ -123,7 +123,7 @@ inline void draw_triangle(const CasterTriangle& t, int row_begin, int row_end, c
     for (int row = from; row < to; ++row) {
         const double y = (2 * row + 1) * texels.half_size - 1;
         for (int column = extent.column_begin; column < extent.column_end; ++column) {
-            const tile_kernel::Tile& texel =
+            const tile_kernel::TileContent& texel =
                 texels.texels[std::size_t(row) * std::size_t(texels.side) + std::size_t(column)];
             if (texel.count == 0 || double(texel.least_depth) > extent.greatest_depth) continue;
             const double x = (2 * column + 1) * texels.half_size - 1;

@@ -13,7 +13,7 @@ namespace {
 
 using facet_kernel::FacetPair;
 using facet_kernel::LightFacet;
-using tile_kernel::Tile;
+using tile_kernel::TileContent;
 
 constexpr std::size_t kFacetBlock = 1 << 10;
 // Planes this near to the facet, as a part of its depth, are settled with care.
@@ -51,7 +51,7 @@ float find_least_depth(const LightFacet& f) {
     return float(depth - kDepthReserve * std::abs(depth));
 }
 
-void add_to(Tile& texel, float least_depth) {
+void add_to(TileContent& texel, float least_depth) {
     texel.least_depth = texel.count == 0 ? least_depth : std::min(texel.least_depth, least_depth);
     ++texel.count;
 }
@@ -126,7 +126,7 @@ private:
         for (const PairBlock& block : blocks)
             for (const auto& [texel, facet] : block.pairs) add_to(result.texels[texel], block.least_depths[facet]);
         std::uint32_t total = 0;
-        for (Tile& texel : result.texels) {
+        for (TileContent& texel : result.texels) {
             texel.first = total;
             total += std::exchange(texel.count, 0);  // counted again below
         }
@@ -134,7 +134,7 @@ private:
         for (const PairBlock& block : blocks) {
             const std::uint32_t base = std::uint32_t(result.facets.size());
             for (const auto& [index, facet] : block.pairs) {
-                Tile& texel = result.texels[index];
+                TileContent& texel = result.texels[index];
                 result.pairs[texel.first + texel.count++].light_facet = base + facet;
             }
             result.facets.insert(result.facets.end(), block.facets.begin(), block.facets.end());

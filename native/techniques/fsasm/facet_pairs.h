@@ -40,7 +40,7 @@ struct PixelTexelPairs {
     int side = 1;
     std::vector<facet_kernel::LightFacet> facets;
     std::vector<facet_kernel::FacetPair> pairs;
-    std::vector<tile_kernel::Tile> texels;  ///< row-major: first pair, count, least depth of the facets
+    std::vector<tile_kernel::TileContent> texels;  ///< row-major: first pair, count, least depth of the facets
 
     std::size_t byte_size() const {
         return facets.size() * sizeof(facets[0]) + pairs.size() * sizeof(pairs[0]) + texels.size() * sizeof(texels[0]);

@@ -21,7 +21,7 @@
 namespace shadow_layers {
 namespace {
 
-// Finer maps would only make more pairs.
+// Finer maps would only make more pairs; the texels of one view take a quarter of a gigabyte then.
 constexpr std::int64_t kMostTexels = 4096;
 // Pairs that facets may make before they are drawn over: a bound of memory, at most half a gigabyte.
 constexpr std::size_t kPairsAtOnce = 1 << 23;
@@ -90,6 +90,8 @@ public:
                 texels += facets[end++].texels;
             work(engine, task, rule, std::span(facets).subspan(begin, end - begin));
         }
+        engine.count("list_bytes",
+                     std::int64_t(std::exchange(most_pair_bytes_, 0) + facets.size() * sizeof(SilhouetteFacet)));
         finish(engine, facets, image);
         outputs.set("visibility", std::move(image));
     }
@@ -128,7 +130,7 @@ private:
                 const auto timer = engine.time_stage("pixel_texel_pairs");
                 pairs = make_pairs(facets, 0, task.frame, view, places_, engine.threads());
                 engine.count("pixel_texel_pairs", std::int64_t(pairs.pairs.size()));
-                engine.count("list_bytes", std::int64_t(pairs.byte_size()));
+                most_pair_bytes_ = std::max(most_pair_bytes_, pairs.byte_size());
             }
             const auto timer = engine.time_stage("visibility_masks");
             draw_casters_over_pairs(engine, task.frame, view, pairs, samples, contacts, facets);
@@ -151,6 +153,7 @@ private:
     SamplePlaces places_;
     std::unique_ptr<HalfPlaneTable> table_;
     MapEdgeFinder finder_;
+    std::size_t most_pair_bytes_ = 0;
 };
 
 std::vector<ParameterSpec> list_parameters() {
