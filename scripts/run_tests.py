@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-FileCopyrightText: 2026 Shadow Layers contributors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Runs every suite, one after the other, and says at the end what passed, failed and was skipped.
+"""Runs every suite, two at a time where they leave a core idle, and says what passed, failed and was skipped.
 
     scripts/run_tests.py [STEP ...]        (nothing: all of them; --list names them)
 
@@ -16,12 +16,14 @@ import subprocess
 import sys
 import threading
 import time
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field
 from pathlib import Path
 
 root = Path(__file__).resolve().parent.parent
 build = Path(os.environ.get("SHADOW_LAYERS_BUILD", root / "build" / "release")).resolve()
 logs = root / "build" / "test-logs"
+kAtOnce = 2
 kQuietS = 30.0  # a line of progress is printed at least this often
 
 
@@ -33,6 +35,7 @@ class Step:
     kind: str  # "check": exit code alone; "pytest" and "gtest": counted
     parts: tuple[str, ...] = ()  # of scripts/setup.sh
     needs_build: bool = True
+    alone: bool = False  # uses all cores by itself
 
 
 @dataclass
@@ -64,7 +67,7 @@ def make_steps() -> list[Step]:
         Step("ruff", "Python style", [tools, "-m", "ruff", "check", "."], "check", ("build",), False),
         Step("format", "C++ layout", [scripts + "format.sh", "--check"], "check", ("test",), False),
         Step("core", "core, without GL and with", ["ctest", "--test-dir", str(build), "--verbose", "-j2"],
-             "gtest", ("test",)),
+             "gtest", ("test",), alone=True),
         Step("python", "Python outside Blender", [tools, *pytest, "tests/python"], "pytest", ("test",)),
         Step("numpy2", "native module with NumPy 2", [numpy2, *pytest, *sorted(
             str(p.relative_to(root)) for p in (root / "tests" / "python").glob("test_module*.py"))],
@@ -163,6 +166,27 @@ def report(outcomes: list[Outcome]) -> int:
     return 1 if bad else 0
 
 
+def run_step(step: Step) -> Outcome:
+    print(f"=== tests: {step.name}: {step.title} ===", flush=True)
+    outcome = judge(step, *run_logged(step))
+    lines = []
+    if not outcome.good:
+        lines = (logs / f"{step.name}.log").read_text(encoding="utf-8", errors="replace").splitlines()[-60:]
+    told = f"{step.name}: {outcome.passed} passed, {outcome.failed} failed, {outcome.skipped} skipped"
+    print("\n".join([*lines, told]), flush=True)
+    return outcome
+
+
+def run_all(steps: list[Step]) -> list[Outcome]:
+    """Those that use all cores one after the other, then the rest, kAtOnce at a time: Python and Blender's own work
+    keep one core busy. Outcomes are in the order of the steps."""
+    outcomes = {step.name: run_step(step) for step in steps if step.alone}
+    rest = [step for step in steps if not step.alone]
+    with ThreadPoolExecutor(kAtOnce) as pool:
+        outcomes |= dict(zip((step.name for step in rest), pool.map(run_step, rest), strict=True))
+    return [outcomes[step.name] for step in steps]
+
+
 def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("steps", nargs="*", metavar="STEP", help="suites to run (default: all)")
@@ -182,16 +206,8 @@ def main() -> int:
         print("tests: could not install or build what the tests need (above)")
         print("0 passed, 1 failed, 0 skipped", flush=True)
         return 1
-    outcomes = []
-    for step in make_steps() if not options.steps else steps:
-        print(f"=== tests: {step.name}: {step.title} ===", flush=True)
-        outcome = judge(step, *run_logged(step))
-        if not outcome.good:
-            lines = (logs / f"{step.name}.log").read_text(encoding="utf-8", errors="replace").splitlines()
-            print("\n".join(lines[-60:]))
-        print(f"{step.name}: {outcome.passed} passed, {outcome.failed} failed, {outcome.skipped} skipped", flush=True)
-        outcomes.append(outcome)
-    return report(outcomes)
+    wanted = {step.name for step in steps}
+    return report(run_all([step for step in make_steps() if step.name in wanted]))
 
 
 if __name__ == "__main__":
