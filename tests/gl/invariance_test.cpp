@@ -104,8 +104,8 @@ protected:
     /// The picture must hold enough of both for a difference to show.
     static void expect_worth_comparing(const std::vector<float>& visibility) {
         const auto lit_count = std::count_if(visibility.begin(), visibility.end(), [](float v) { return v > 0.5f; });
-        EXPECT_GT(double(lit_count), 0.05 * double(visibility.size()));
-        EXPECT_GT(double(visibility.size()) - double(lit_count), 0.05 * double(visibility.size()));
+        EXPECT_GT(double(lit_count), 0.04 * double(visibility.size()));
+        EXPECT_GT(double(visibility.size()) - double(lit_count), 0.04 * double(visibility.size()));
     }
 };
 INSTANTIATE_TEST_SUITE_P(AllTechniques, Invariance, ::testing::ValuesIn(all_cases()),
