@@ -44,6 +44,11 @@ public:
         return turned_to_light ? Facing::Lit : Facing::TurnedAway;
     }
 
+    /// A linked receiver: cone and side decide. Others are 1. For a caller that takes many pixels at once.
+    bool is_candidate(std::size_t pixel) const {
+        return is_receiver(pixel) && is_linked(frame_.ids[pixel].instance);
+    }
+
     /// From the receiver to the light: a unit vector for a sun, else the unscaled difference.
     glm::dvec3 get_to_light(std::size_t pixel) const {
         const glm::vec3& p = frame_.positions_rel[pixel];

@@ -119,14 +119,14 @@ private:
     /// Bits of the lanes whose visibility the casters decide; sets the visibility of all.
     std::uint32_t classify(std::size_t first, int count, ReceiverLanes& lanes) {
         find_facing(first, count, lanes);
-        Facing facing[ReceiverLanes::kCount];
-        std::uint32_t lit = 0;
-        for (int i = 0; i < count; ++i) {
-            facing[i] = rule_.decide(first + std::size_t(i), lanes.in_cone[i] != 0, lanes.turned_to_light[i] != 0);
-            lit |= std::uint32_t(facing[i] == Facing::Lit) << i;
-        }
+        std::int32_t reached[ReceiverLanes::kCount] = {};  // 1: linked receivers inside the cone
+        for (int i = 0; i < count; ++i) reached[i] = rule_.is_candidate(first + std::size_t(i));
+        for (int i = 0; i < ReceiverLanes::kCount; ++i) reached[i] &= lanes.in_cone[i];
         std::uint8_t* visible = sorter_.visible_.data() + first;
-        for (int i = 0; i < count; ++i) visible[i] = facing[i] != Facing::TurnedAway;
+        for (int i = 0; i < count; ++i) visible[i] = std::uint8_t(1 & ~(reached[i] & ~lanes.turned_to_light[i]));
+        std::uint32_t lit = 0;
+        for (int i = 0; i < ReceiverLanes::kCount; ++i)
+            lit |= std::uint32_t(reached[i] & lanes.turned_to_light[i]) << i;
         return lit;
     }
 

@@ -17,28 +17,45 @@ constexpr std::uint32_t kLanes = ReceiverBlock::kLanes;
 // A float position is off by half a unit in the last place on each axis; the root of 3 and a reserve make it this.
 constexpr double kPositionRounding = 1.0 / 8388608.0;  // 2^-23
 
-/// Sets the tile's least depth and closes its empty lanes. Returns the greatest depth.
-float bound_depths(Tile& tile, ReceiverBlock* blocks) {
-    float least = std::numeric_limits<float>::infinity(), greatest = -least;
-    for (std::uint32_t i = 0; i < tile.count; ++i) {
-        const float depth = blocks[i / kLanes].depth[i % kLanes];
-        least = std::min(least, depth);
-        greatest = std::max(greatest, depth);
+/// Empty lanes get what the tile's first receiver has, so that whole blocks can be looked at.
+void fill_lanes(const Tile& tile, ReceiverBlock* blocks) {
+    for (std::uint32_t i = tile.count; i % kLanes != 0; ++i) {
+        ReceiverBlock& block = blocks[i / kLanes];
+        block.depth[i % kLanes] = blocks->depth[0];
+        block.instance[i % kLanes] = blocks->instance[0];
+        block.triangle[i % kLanes] = blocks->triangle[0];
     }
-    for (std::uint32_t i = tile.count; i % kLanes != 0; ++i)
-        blocks[i / kLanes].depth[i % kLanes] = std::numeric_limits<float>::infinity();
-    tile.least_depth = least;
-    return greatest;
 }
 
-/// A triangle never shadows what lies on it: tiles that see it alone are passed over.
-void find_surface(Tile& tile, const ReceiverBlock* blocks) {
-    for (std::uint32_t i = 1; i < tile.count; ++i)
-        if (blocks[i / kLanes].instance[i % kLanes] != blocks->instance[0] ||
-            blocks[i / kLanes].triangle[i % kLanes] != blocks->triangle[0])
-            return;
-    tile.instance = blocks->instance[0];
-    tile.triangle = blocks->triangle[0];
+/// Nothing shadows an empty lane.
+void close_lanes(const Tile& tile, ReceiverBlock* blocks) {
+    for (std::uint32_t i = tile.count; i % kLanes != 0; ++i)
+        blocks[i / kLanes].depth[i % kLanes] = std::numeric_limits<float>::infinity();
+}
+
+/// Sets the tile's least depth, and its surface if all lanes are on one: a triangle never shadows what lies on it, so
+/// tiles that see it alone are passed over. Returns the greatest depth.
+float bound_lanes(Tile& tile, const ReceiverBlock* blocks) {
+    float least[kLanes], greatest[kLanes];
+    std::uint32_t other[kLanes] = {};
+    std::copy_n(blocks->depth, kLanes, least);
+    std::copy_n(blocks->depth, kLanes, greatest);
+    const std::uint32_t instance = blocks->instance[0], triangle = blocks->triangle[0];
+    for (std::uint32_t begin = 0; begin < tile.count; begin += kLanes) {
+        const ReceiverBlock& block = blocks[begin / kLanes];
+        for (std::uint32_t lane = 0; lane < kLanes; ++lane) {
+            const float depth = block.depth[lane];
+            least[lane] = depth < least[lane] ? depth : least[lane];
+            greatest[lane] = depth > greatest[lane] ? depth : greatest[lane];
+            other[lane] |= (block.instance[lane] ^ instance) | (block.triangle[lane] ^ triangle);
+        }
+    }
+    tile.least_depth = *std::min_element(least, least + kLanes);
+    if (std::all_of(other, other + kLanes, [](std::uint32_t bits) { return bits == 0; })) {
+        tile.instance = instance;
+        tile.triangle = triangle;
+    }
+    return *std::max_element(greatest, greatest + kLanes);
 }
 
 }  // namespace
@@ -55,8 +72,9 @@ void bound_tiles(ReceiverTiles& tiles, const LightView& view, const glm::dmat4& 
             Tile& tile = tiles.tiles[index];
             if (tile.count == 0) continue;
             ReceiverBlock* const blocks = tiles.blocks + tile.first;
-            const double greatest = bound_depths(tile, blocks), least = tile.least_depth;
-            find_surface(tile, blocks);
+            fill_lanes(tile, blocks);
+            const double greatest = bound_lanes(tile, blocks), least = tile.least_depth;
+            close_lanes(tile, blocks);
             // depth = near (far - w) / (w (far - near)): 1 / w = (depth (far - near) / near + 1) / far
             const double over_w = view.perspective ? std::max((greatest * (far - near) / near + 1) / far, 1e-300) : 1.0;
             const double largest = std::max(std::abs(least), std::abs(greatest));
