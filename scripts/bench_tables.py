@@ -60,13 +60,15 @@ def make_run(run: dict[str, Any], against: Sequence[str] = ()) -> list[str]:
         "layer ratio",
         "resolve ratio",
     ]
-    columns += ["own", "truth", "wrong", "border"] if with_errors else []
+    columns += ["own", "truth", "wrong"] if with_errors else []
+    with_borders = any(describe_border(record["errors"]) for record in records)
+    columns += ["border"] if with_borders else []
     columns.append("stages")
     lines = [f"{head}, {records[0]['triangles']:,} triangles, {records[0]['render_ms']['count']} rounds", ""]
     lines += [make_line(columns), make_line(["---"] * len(columns))]
     for record in records:
         others = [compute_ratio(record, records, name) for name in against]
-        lines.append(make_line(make_cells(record, axes, others, with_errors)))
+        lines.append(make_line(make_cells(record, axes, others, with_errors, with_borders)))
     return lines
 
 
@@ -83,7 +85,9 @@ def make_line(cells: list[str]) -> str:
     return "| " + " | ".join(cells) + " |"
 
 
-def make_cells(record: dict[str, Any], axes: list[str], others: Sequence[float | None], with_errors: bool) -> list[str]:
+def make_cells(
+    record: dict[str, Any], axes: list[str], others: Sequence[float | None], with_errors: bool, with_borders: bool
+) -> list[str]:
     cells = [f"`{record['method']}`", *(str(record["place"].get(axis, "")) for axis in axes)]
     cells.append(describe_spread(record["render_ms"], 1))
     ratio = record["ratio_to_sm_spread"]
@@ -92,7 +96,9 @@ def make_cells(record: dict[str, Any], axes: list[str], others: Sequence[float |
     cells.append(describe_number(record["layers_ratio_to_sm"], 2))
     cells.append(describe_number(record["stage_ratio_to_sm"].get("resolve"), 2))
     if with_errors:
-        cells += [*describe_errors(record["errors"]), describe_border(record["errors"])]
+        cells += describe_errors(record["errors"])
+    if with_borders:
+        cells.append(describe_border(record["errors"]))
     cells.append(describe_stages(record["stage_ms"]))
     return cells
 

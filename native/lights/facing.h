@@ -45,9 +45,7 @@ public:
     }
 
     /// A linked receiver: cone and side decide. Others are 1. For a caller that takes many pixels at once.
-    bool is_candidate(std::size_t pixel) const {
-        return is_receiver(pixel) && is_linked(frame_.ids[pixel].instance);
-    }
+    bool is_candidate(std::size_t pixel) const { return is_receiver(pixel) && is_linked(frame_.ids[pixel].instance); }
 
     /// From the receiver to the light: a unit vector for a sun, else the unscaled difference.
     glm::dvec3 get_to_light(std::size_t pixel) const {

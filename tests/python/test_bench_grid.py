@@ -254,6 +254,22 @@ def test_tables_tell_medians_ratios_errors_and_what_is_not_there():
     assert len(widths) == 1, "every row has as many cells as the head"
 
 
+def test_antialiased_rows_tell_the_error_at_the_border():
+    import bench_tables
+
+    def record(method, border):
+        own = {"mean_absolute": 0.001, "border_mean_absolute": border}
+        errors = {"truth": "pixel" if method == "fsasm" else "hard", "own": own, "hard": {"wrong_fraction": 0.0}}
+        return make_record(method=method, errors=errors)
+
+    run = {"scene": "box", "resolution": "HD (1280x720)", "records": [record("sm", None), record("fsasm", 0.0137)]}
+    head, _, sm, fsasm = bench_tables.make_run(run)[-4:]
+    place = head.split("|").index(" border ")
+    assert [line.split("|")[place] for line in (sm, fsasm)] == ["  ", " 1.37 "]
+    run["records"] = [record("sm", None)]
+    assert " border " not in bench_tables.make_run(run)[-3]
+
+
 def test_ratios_to_other_methods_are_taken_at_the_same_place():
     import bench_tables
 
