@@ -112,7 +112,7 @@ ViewCasters find_view_casters(const Scene& scene, const Light& light, const View
             if (i % kInstanceBlock == 0) part.nearest = region.depth_max;
             const Instance& instance = scene.instances[i];
             const Bounds& bounds = scene.meshes[instance.mesh]->bounds;
-            if (!(instance.flags & kInstanceShadow) || !(light.blocker_set >> instance.blocker_group & 1u)) continue;
+            if (!casts_for(light, instance)) continue;
             if (bounds.is_empty()) continue;
             const OrientedBox box(bounds, region.ls_from_ws * instance.world_from_object);
             if (!touches(box, region, sides)) continue;

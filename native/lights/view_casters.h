@@ -13,6 +13,11 @@ namespace shadow_layers {
 
 class ThreadPool;
 
+/// Does the instance cast shadows for this light?
+inline bool casts_for(const Light& light, const Instance& instance) {
+    return (instance.flags & kInstanceShadow) && (light.blocker_set >> instance.blocker_group & 1u);
+}
+
 /// What a view's map sees, border included: a pyramid from the light, or an orthographic box without a near end.
 struct ViewRegion {
     bool perspective = true;

@@ -17,14 +17,16 @@ namespace shadow_layers {
 /// The tiles of a view that casters are set up for.
 class CasterGrid {
 public:
-    /// `margin`: by how many clip units a receiver may be off its place. Without tiles none is asked for.
-    CasterGrid(int side, double margin) : side(side), margin(margin) {}
+    /// `place_margin`: by how many clip units a receiver may be off its place. Without tiles none is asked for.
+    CasterGrid(int tiles_per_side, double place_margin) : side(tiles_per_side), margin(place_margin) {}
     /// `tiles`: side x side, row-major, of any kind.
     template <class Tile>
-    CasterGrid(int side, double margin, const Tile* tiles)
-        : side(side), margin(margin), tiles_(reinterpret_cast<const std::byte*>(tiles)), stride_(sizeof(Tile)) {
-        static_assert(std::is_same_v<Tile, tile_kernel::TileContent> ||
-                      std::is_base_of_v<tile_kernel::TileContent, Tile>);
+    CasterGrid(int tiles_per_side, double place_margin, const Tile* tiles)
+        : side(tiles_per_side),
+          margin(place_margin),
+          tiles_(reinterpret_cast<const std::byte*>(tiles)),
+          stride_(sizeof(Tile)) {
+        static_assert(std::is_base_of_v<tile_kernel::TileContent, Tile>);
     }
 
     bool has_tiles() const { return tiles_ != nullptr; }

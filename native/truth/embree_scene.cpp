@@ -4,12 +4,10 @@
 
 #include <set>
 
+#include "lights/view_casters.h"
+
 namespace shadow_layers::truth {
 namespace {
-
-bool casts(const Instance& instance, const Light& light) {
-    return (instance.flags & kInstanceShadow) && (light.blocker_set >> instance.blocker_group & 1u);
-}
 
 void attach(RTCScene scene, RTCGeometry geometry) {
     rtcCommitGeometry(geometry);
@@ -31,7 +29,7 @@ EmbreeScene::EmbreeScene(RTCDevice device, const Scene& scene, const Light& ligh
     parts_.resize(instanced ? scene.meshes.size() : 1);
     std::set<std::uint32_t> filled;
     for (const Instance& instance : scene.instances) {
-        if (!casts(instance, light)) continue;
+        if (!casts_for(light, instance)) continue;
         glm::dmat4 matrix = instance.world_from_object;
         matrix[3] -= glm::dvec4(origin_ws, 0);
         const Mesh& mesh = *scene.meshes[instance.mesh];

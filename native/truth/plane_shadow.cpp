@@ -7,6 +7,7 @@
 #include <cmath>
 #include <vector>
 
+#include "lights/view_casters.h"
 #include "truth/ray_triangle.h"
 
 namespace shadow_layers::truth {
@@ -125,8 +126,7 @@ bool PlaneShadows::is_in_cone(const Facet& facet) const {
 }
 
 bool PlaneShadows::may_cast(const PixelIds& ids) const {
-    const Instance& instance = frame_.scene->instances[ids.instance];
-    return (instance.flags & kInstanceShadow) && (light_.blocker_set >> instance.blocker_group & 1u);
+    return casts_for(light_, frame_.scene->instances[ids.instance]);
 }
 
 std::optional<double> PlaneShadows::find_lit_part(std::size_t pixel) const {

@@ -95,12 +95,6 @@ private:
     const FacingRule& rule_;
 };
 
-}  // namespace
-
-std::span<const ShadowRayMode> get_shadow_ray_modes() { return kModes; }
-
-namespace {
-
 /// All rays of the picture, 16 at a time.
 class PacketTrace {
 public:
@@ -176,6 +170,8 @@ std::vector<std::uint32_t> list_lights(const RenderRequest& request) {
 }
 
 }  // namespace
+
+std::span<const ShadowRayMode> get_shadow_ray_modes() { return kModes; }
 
 struct ShadowRays::Impl {
     explicit Impl(int threads) : pool(threads) {

@@ -68,6 +68,24 @@ TEST(ShadowRays, AreTheShadowsOfTheScene) {
     }
 }
 
+TEST(ShadowRays, WithoutMeshesThereIsNothingToShade) {
+    RenderRequest request;
+    auto scene = std::make_shared<Scene>();
+    scene->lights = {make_light(LightKind::Sun, {0, 0, 4}, {0, 0, 0})};
+    request.scene = scene;
+    request.jobs = {{0, "sm", {}}};
+    Frame frame;
+    frame.width = 2, frame.height = 1;
+    frame.scene = scene;
+    frame.positions_rel.resize(2), frame.normals.resize(2), frame.ids.resize(2), frame.coverage.resize(2);
+    truth::ShadowRays rays(1);
+    for (const truth::ShadowRayMode& mode : truth::get_shadow_ray_modes()) {
+        const truth::ShadowRayTimes times = rays.measure(request, to_result(frame), mode);
+        EXPECT_EQ(times.receivers, 0u);
+        EXPECT_EQ(times.visible.at(0), (std::vector<std::uint8_t>{1, 1}));
+    }
+}
+
 TEST(ShadowRays, WithoutCastersAllIsLit) {
     SceneView view = box_scene(40, 30);
     for (Instance& instance : view.scene->instances) instance.flags = kInstanceCamera;

@@ -27,7 +27,7 @@ struct LightFacet {
     double near;                    ///< casters whose plane comes nearer in depth are settled
     std::uint32_t in_view[kWords];  ///< samples that this view answers for
     std::uint32_t facet;            ///< number of it; of several views the same
-    std::uint32_t is_alone;         ///< 1: no other view answers for it
+    std::uint32_t is_alone;         ///< 1: no other view answers for it, and all of it lies in the cone
     std::uint32_t instance, triangle;
 };
 

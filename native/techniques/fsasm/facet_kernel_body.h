@@ -87,7 +87,7 @@ inline bool is_dark(const LightFacet& f, const FacetPair& pair) {
 inline void test_pair(const CasterTriangle& t, const LightFacet& f, const Samples& s, FacetPair& pair,
                       Answers& answers) {
     if (f.instance == t.instance && f.triangle == t.triangle) return;
-    // With several views the validity mask weighs them, so that it is made whole.
+    // Where other views or the cone have a say, too, the validity mask weighs them, so that it is made whole.
     if (f.is_alone && is_dark(f, pair)) return;
     ++answers.evaluations;
     Conditions c;

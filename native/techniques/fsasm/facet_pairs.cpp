@@ -96,7 +96,7 @@ private:
         in_view.remove(facet.outside);
         facet.in_view |= in_view;
         copy(in_view, light_facet.in_view);
-        light_facet.is_alone = facet.view_count == 1;
+        light_facet.is_alone = facet.view_count == 1 && facet.outside.is_empty();
         light_facet.facet = first_number_ + std::uint32_t(number);
         light_facet.instance = frame_.ids[facet.pixel].instance;
         light_facet.triangle = frame_.ids[facet.pixel].triangle;

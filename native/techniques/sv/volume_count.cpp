@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "lights/facing.h"
+#include "lights/view_casters.h"
 #include "stages/occlusion_rule.h"
 
 namespace shadow_layers {
@@ -41,7 +42,7 @@ std::vector<float> VolumeCounter::compute_visibility() {
     const Scene& scene = *frame_.scene;
     for (std::uint32_t i = 0; i < scene.instances.size(); ++i) {
         const Instance& instance = scene.instances[i];
-        if (!(instance.flags & kInstanceShadow) || !(light_.blocker_set >> instance.blocker_group & 1u)) continue;
+        if (!casts_for(light_, instance)) continue;
         if (!scene.meshes[instance.mesh]->bounds.is_empty()) draw_instance(i);
     }
     flush();
