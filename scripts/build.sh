@@ -12,6 +12,8 @@ tests=OFF
 # A folder that was configured with tests stays so: a preview after a test run then rebuilds nothing.
 if [ "${1:-}" = --tests ] || grep -qs 'SHADOW_LAYERS_TESTS:BOOL=ON' "$build_dir/CMakeCache.txt"; then tests=ON; fi
 
+# Precompiled headers are cached only so.
+export CCACHE_SLOPPINESS=${CCACHE_SLOPPINESS:-pch_defines,time_macros}
 options=(-DSHADOW_LAYERS_TESTS=$tests)
 started=$SECONDS
 say "configuring $build_dir"
