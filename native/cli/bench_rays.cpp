@@ -20,7 +20,7 @@ RayBench::RayBench(int threads) : rays_(std::make_unique<Rays>(threads)) {
         rows_.push_back({mode.name, {}, {}, {}, {}, 0});
 }
 
-void RayBench::measure(Session& session, RenderRequest request, bool counts) {
+void RayBench::measure(Session& session, const RenderRequest& request, bool counts) {
     RenderRequest frame_request = request;
     frame_request.jobs.clear();
     frame_request.samples = 1;
@@ -42,7 +42,7 @@ struct RayBench::Rays {};
 RayBench::RayBench(int) {
     throw InputError("--rays: this shadowcore was built without Embree; build it with SHADOW_LAYERS_EMBREE=ON");
 }
-void RayBench::measure(Session&, RenderRequest, bool) {}
+void RayBench::measure(Session&, const RenderRequest&, bool) {}
 #endif
 
 RayBench::~RayBench() = default;

@@ -26,7 +26,7 @@ public:
     ~RayBench();
 
     /// Renders what the camera of `request` sees and times the rays to its jobs' lights, each way once.
-    void measure(Session& session, RenderRequest request, bool counts);
+    void measure(Session& session, const RenderRequest& request, bool counts);
     const std::vector<RayRow>& rows() const { return rows_; }
 
 private:

@@ -84,14 +84,14 @@ public:
             facets = find_silhouette_facets(frame, task.light, position, masks, image.data, places_, engine.threads());
         }
         const OcclusionRule rule(frame, position);
+        std::size_t pair_bytes = 0;
         for (std::size_t begin = 0, end = 0; begin < facets.size(); begin = end) {
             std::size_t texels = 0;
             while (end < facets.size() && (end == begin || texels + facets[end].texels <= kPairsAtOnce))
                 texels += facets[end++].texels;
-            work(engine, task, rule, std::span(facets).subspan(begin, end - begin));
+            pair_bytes = std::max(pair_bytes, work(engine, task, rule, std::span(facets).subspan(begin, end - begin)));
         }
-        engine.count("list_bytes",
-                     std::int64_t(std::exchange(most_pair_bytes_, 0) + facets.size() * sizeof(SilhouetteFacet)));
+        engine.count("list_bytes", std::int64_t(pair_bytes + facets.size() * sizeof(SilhouetteFacet)));
         finish(engine, facets, image);
         outputs.set("visibility", std::move(image));
     }
@@ -120,7 +120,10 @@ private:
         return masks;
     }
 
-    void work(Engine& engine, const LightTask& task, const OcclusionRule& rule, std::span<SilhouetteFacet> facets) {
+    /// Returns the bytes of a view's pairs at their most.
+    std::size_t work(Engine& engine, const LightTask& task, const OcclusionRule& rule,
+                     std::span<SilhouetteFacet> facets) {
+        std::size_t pair_bytes = 0;
         const facet_kernel::Samples samples{places_.count, places_.x.data(), places_.y.data(), table_.get(), look_up};
         const FacetContacts contacts(task.frame, rule, samples, find_validity(task.parameters));
         for (const LightView& view : task.positions.front().views) {
@@ -130,11 +133,12 @@ private:
                 const auto timer = engine.time_stage("pixel_texel_pairs");
                 pairs = make_pairs(facets, 0, task.frame, view, places_, engine.threads());
                 engine.count("pixel_texel_pairs", std::int64_t(pairs.pairs.size()));
-                most_pair_bytes_ = std::max(most_pair_bytes_, pairs.byte_size());
+                pair_bytes = std::max(pair_bytes, pairs.byte_size());
             }
             const auto timer = engine.time_stage("visibility_masks");
             draw_casters_over_pairs(engine, task.frame, view, pairs, samples, contacts, facets);
         }
+        return pair_bytes;
     }
 
     void finish(Engine& engine, const std::vector<SilhouetteFacet>& facets, Image& image) const {
@@ -153,7 +157,6 @@ private:
     SamplePlaces places_;
     std::unique_ptr<HalfPlaneTable> table_;
     MapEdgeFinder finder_;
-    std::size_t most_pair_bytes_ = 0;
 };
 
 std::vector<ParameterSpec> list_parameters() {
