@@ -6,7 +6,7 @@
 
 namespace shadow_layers {
 
-FacingRule::FacingRule(const Frame& frame, const Light& light, const LightPosition& position)
+FacingRule::FacingRule(const Frame& frame, const Light& light, const LightSample& position)
     : frame_(frame), light_(light) {
     const glm::dvec3 place = position.position_ws - frame.origin_ws;
     source_.directional = position.directional;
@@ -28,10 +28,10 @@ double FacingRule::get_weight(std::size_t pixel) const {
     return cosine * glm::dot(axis, to_light) / (apart * apart * apart);
 }
 
-void fill_unoccluded_visibility(const Frame& frame, const Light& light, std::span<const LightPosition> positions,
+void fill_unoccluded_visibility(const Frame& frame, const Light& light, std::span<const LightSample> positions,
                                 std::span<float> visibility, ThreadPool* threads) {
     std::vector<FacingRule> rules;
-    for (const LightPosition& position : positions) rules.emplace_back(frame, light, position);
+    for (const LightSample& position : positions) rules.emplace_back(frame, light, position);
     const auto fill = [&](std::size_t begin, std::size_t end) {
         for (std::size_t pixel = begin; pixel < end; ++pixel) {
             float sum = 0;

@@ -29,7 +29,7 @@ inline float get_unoccluded_visibility(Facing facing) { return facing == Facing:
 class FacingRule {
 public:
     /// Both arguments must outlive the rule.
-    FacingRule(const Frame& frame, const Light& light, const LightPosition& position);
+    FacingRule(const Frame& frame, const Light& light, const LightSample& position);
 
     Facing classify(std::size_t pixel) const {
         if (!is_receiver(pixel)) return Facing::Background;
@@ -78,7 +78,7 @@ private:
 
 /// The layer of a light that casts no shadows: get_unoccluded_visibility of every pixel. Of many positions those that
 /// light the pixel decide: what a part of the light shines on is in no shadow, though it is turned from the rest.
-void fill_unoccluded_visibility(const Frame& frame, const Light& light, std::span<const LightPosition> positions,
+void fill_unoccluded_visibility(const Frame& frame, const Light& light, std::span<const LightSample> positions,
                                 std::span<float> visibility, ThreadPool* threads = nullptr);
 
 }  // namespace shadow_layers

@@ -29,7 +29,7 @@ struct Source {
     double to_light[3] = {0, 0, 1};      ///< of a sun: unit
     double place[3] = {0, 0, 0};         ///< else
     double axes[3][3] = {};              ///< x, y, z of the light
-    double cone_cos = -2, cone_sin = 0;  ///< as in LightPosition; cos <= -1: no cone
+    double cone_cos = -2, cone_sin = 0;  ///< as in LightSample; cos <= -1: no cone
 };
 
 /// From the receiver to the light: a unit vector for a sun, else the unscaled difference.

@@ -12,8 +12,8 @@ namespace shadow_layers {
 
 namespace {
 
-LightPosition make_centre(const Light& light) {
-    LightPosition centre;
+LightSample make_centre(const Light& light) {
+    LightSample centre;
     const glm::dmat3 axes = compute_light_axes(light.world_from_light);
     centre.position_ws = glm::dvec3(light.world_from_light[3]);
     centre.to_light_ws = axes[2];
@@ -41,7 +41,7 @@ glm::dvec3 turn_to_sample(const glm::dmat3& axes, double sun_angle, const glm::d
     return glm::normalize((1 - fall) * axes[2] + across.x * axes[0] + across.y * axes[1]);
 }
 
-void move_to_sample(const Light& light, const SamplePattern& pattern, int i, LightPosition& position) {
+void move_to_sample(const Light& light, const SamplePattern& pattern, int i, LightSample& position) {
     const glm::dmat3 axes = compute_light_axes(light.world_from_light);
     switch (light.kind) {
         case LightKind::Sun: {
@@ -72,8 +72,8 @@ glm::dmat3 compute_light_axes(const glm::dmat4& matrix) {
     return {x, glm::cross(z, x), z};
 }
 
-std::vector<LightPosition> sample_light_shape(const Light& light, int position_count, LightPattern pattern) {
-    std::vector<LightPosition> positions(std::size_t(std::max(1, position_count)), make_centre(light));
+std::vector<LightSample> sample_light_shape(const Light& light, int position_count, LightPattern pattern) {
+    std::vector<LightSample> positions(std::size_t(std::max(1, position_count)), make_centre(light));
     const SamplePattern points(pattern, position_count);
     if (positions.size() > 1)
         for (std::size_t i = 0; i < positions.size(); ++i) move_to_sample(light, points, int(i), positions[i]);

@@ -114,7 +114,7 @@ public:
     ViewMaker(const Frame& frame, const Light& light, const ViewSettings& settings, ThreadPool* threads)
         : frame_(frame), scene_(*frame.scene), light_(light), settings_(settings), threads_(threads) {}
 
-    void add_views(LightPosition& position, const LightPosition* previous) const {
+    void add_views(LightSample& position, const LightSample* previous) const {
         if (light_.kind == LightKind::Sun || (light_.kind == LightKind::Spot && light_.spot_angle <= kWidestCone)) {
             const LightView* kept = previous && !previous->views.empty() ? &previous->views.front() : nullptr;
             const ViewSeed seed = make_single_seed(position, kept);
@@ -187,7 +187,7 @@ private:
     }
 
     /// Sun or narrow spot: one view, turned about its axis where that is worth it. An earlier view's turn is kept.
-    ViewSeed make_single_seed(const LightPosition& position, const LightView* kept) const {
+    ViewSeed make_single_seed(const LightSample& position, const LightView* kept) const {
         ViewSeed seed;
         seed.perspective = !position.directional;
         seed.axes = position.axes_ws;
@@ -270,10 +270,10 @@ private:
 
 }  // namespace
 
-std::vector<LightPosition> make_light_positions(const Frame& frame, const Light& light, const ViewSettings& settings,
-                                                const std::vector<LightPosition>* previous, ThreadPool* threads,
-                                                const CancelToken* cancel) {
-    std::vector<LightPosition> positions = sample_light_shape(light, settings.position_count, settings.pattern);
+std::vector<LightSample> make_light_samples(const Frame& frame, const Light& light, const ViewSettings& settings,
+                                            const std::vector<LightSample>* previous, ThreadPool* threads,
+                                            const CancelToken* cancel) {
+    std::vector<LightSample> positions = sample_light_shape(light, settings.position_count, settings.pattern);
     if (settings.map_size <= 0) return positions;
     const ViewMaker maker(frame, light, settings, threads);
     for (std::size_t i = 0; i < positions.size(); ++i) {

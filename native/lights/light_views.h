@@ -34,7 +34,7 @@ struct LightView {
 };
 
 /// A point from which the light is cast, with the views that cover its receivers.
-struct LightPosition {
+struct LightSample {
     bool directional = false;
     glm::dvec3 position_ws{0.0};      ///< unless directional
     glm::dvec3 to_light_ws{0, 0, 1};  ///< unit, towards the light; of a sun. For spot and area: minus their direction
@@ -45,7 +45,7 @@ struct LightPosition {
     std::vector<LightView> views;     ///< only those with receivers; empty: no receiver faces this light
 
     /// The same light from the same point, whatever its views.
-    bool is_same_place(const LightPosition& other) const {
+    bool is_same_place(const LightSample& other) const {
         return directional == other.directional && position_ws == other.position_ws &&
                to_light_ws == other.to_light_ws && axes_ws == other.axes_ws && cone_cos == other.cone_cos;
     }
@@ -63,8 +63,8 @@ struct ViewSettings {
 /// and in its receiver set, and to the casters that can reach them. `previous` (may be null), made for another sample
 /// of the same pixels, is kept where it still covers the receivers, so that jittered samples share their maps.
 /// `threads` (may be null: one thread) does not change the result. `cancel` (may be null) is asked between positions.
-std::vector<LightPosition> make_light_positions(const Frame& frame, const Light& light, const ViewSettings& settings,
-                                                const std::vector<LightPosition>* previous = nullptr,
-                                                ThreadPool* threads = nullptr, const CancelToken* cancel = nullptr);
+std::vector<LightSample> make_light_samples(const Frame& frame, const Light& light, const ViewSettings& settings,
+                                            const std::vector<LightSample>* previous = nullptr,
+                                            ThreadPool* threads = nullptr, const CancelToken* cancel = nullptr);
 
 }  // namespace shadow_layers

@@ -40,7 +40,7 @@ ViewAxes compute_face_axes(const glm::dmat3& light_axes, int face) {
     return {glm::cross(y, z), y, z};
 }
 
-ReceiverScan::ReceiverScan(const Frame& frame, const Light& light, const LightPosition& position,
+ReceiverScan::ReceiverScan(const Frame& frame, const Light& light, const LightSample& position,
                            const glm::dvec3& origin_ws, ThreadPool* threads)
     : frame_(frame),
       rule_(frame, light, position),

@@ -23,7 +23,7 @@ ViewAxes compute_face_axes(const glm::dmat3& light_axes, int face);
 /// A receiver counts if the light may light it (FacingRule, widened by what float arithmetic may decide otherwise).
 class ReceiverScan {
 public:
-    ReceiverScan(const Frame& frame, const Light& light, const LightPosition& position, const glm::dvec3& origin_ws,
+    ReceiverScan(const Frame& frame, const Light& light, const LightSample& position, const glm::dvec3& origin_ws,
                  ThreadPool* threads);
 
     Bounds measure(const ViewAxes& axes) const;

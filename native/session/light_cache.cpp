@@ -9,15 +9,14 @@ void LightCache::begin_sample(const Frame& frame) {
     ++sample_;
 }
 
-std::shared_ptr<const std::vector<LightPosition>> LightCache::get(std::uint32_t light, const TechniqueNeeds& needs,
-                                                                  bool is_last_use) {
-    const Key key{light, needs.map_size, needs.map_border_texels, needs.light_positions, needs.light_pattern};
+std::shared_ptr<const std::vector<LightSample>> LightCache::get(std::uint32_t light, const TechniqueNeeds& needs,
+                                                                bool is_last_use) {
+    const Key key{light, needs.map_size, needs.map_border_texels, needs.light_samples, needs.light_pattern};
     Entry& entry = entries_[key];
     if (entry.sample != sample_) {
         const auto timer = engine_.time_stage("light_views");
-        const ViewSettings settings{needs.map_size, needs.map_border_texels, needs.light_positions,
-                                    needs.light_pattern};
-        entry.positions = std::make_shared<const std::vector<LightPosition>>(make_light_positions(
+        const ViewSettings settings{needs.map_size, needs.map_border_texels, needs.light_samples, needs.light_pattern};
+        entry.positions = std::make_shared<const std::vector<LightSample>>(make_light_samples(
             *frame_, frame_->scene->lights[light], settings, entry.positions ? entry.positions.get() : nullptr,
             &engine_.threads(), &engine_.cancel_token()));
         entry.sample = sample_;

@@ -20,8 +20,8 @@ public:
 
     void begin_sample(const Frame& frame);
     /// `is_last_use`: no later job of this render wants this light; it is forgotten after.
-    std::shared_ptr<const std::vector<LightPosition>> get(std::uint32_t light, const TechniqueNeeds& needs,
-                                                          bool is_last_use);
+    std::shared_ptr<const std::vector<LightSample>> get(std::uint32_t light, const TechniqueNeeds& needs,
+                                                        bool is_last_use);
     void clear() { entries_.clear(); }
 
 private:
@@ -33,7 +33,7 @@ private:
     };
     struct Entry {
         std::uint64_t sample = 0;
-        std::shared_ptr<const std::vector<LightPosition>> positions;
+        std::shared_ptr<const std::vector<LightSample>> positions;
     };
     Engine& engine_;
     bool many_samples_;

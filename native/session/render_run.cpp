@@ -20,7 +20,7 @@ namespace {
 constexpr std::size_t kSumBytes = std::size_t{256} << 20;
 
 /// What is told of the views of a position.
-std::vector<MapView> describe_views(const LightPosition& position) {
+std::vector<MapView> describe_views(const LightSample& position) {
     std::vector<MapView> views;
     for (const LightView& view : position.views) {
         MapView& told = views.emplace_back();
@@ -74,7 +74,7 @@ private:
     void run_sample(const Batch& batch, std::size_t sample);
     void run_job(std::size_t job, std::size_t sample, SampleFrames& frames, LayerSum& sum);
     void fill_layer(std::size_t job, SampleFrames& frames, LayerSum& sum, std::size_t sample);
-    void answer_unshadowed(const ResolvedJob& job, const Frame& frame, const std::vector<LightPosition>& positions,
+    void answer_unshadowed(const ResolvedJob& job, const Frame& frame, const std::vector<LightSample>& positions,
                            LayerSum& sum);
     void deliver(std::size_t job, LayerSum& sum);
     void add_frame(const Frame& frame, std::size_t sample);
@@ -189,7 +189,7 @@ void RenderRun::fill_layer(std::size_t job, SampleFrames& frames, LayerSum& sum,
     const auto positions = lights_.get(resolved.light, resolved.needs, is_last_use);
     if (sample == 0) views_[job] = describe_views(positions->front());
     sum.begin_sample(frame);
-    const auto has_views = [](const LightPosition& position) { return !position.views.empty(); };
+    const auto has_views = [](const LightSample& position) { return !position.views.empty(); };
     const bool is_seen = resolved.needs.map_size == 0 || std::any_of(positions->begin(), positions->end(), has_views);
     if (light.casts_shadow && is_seen)
         technique.render(engine_, {frame, frames, light, *positions, resolved.parameters}, sum);
@@ -202,8 +202,8 @@ void RenderRun::fill_layer(std::size_t job, SampleFrames& frames, LayerSum& sum,
 
 /// Without shadows, or without a receiver that is turned to the light, there is nothing for a technique to find.
 /// Channels other than the visibility are 0 then.
-void RenderRun::answer_unshadowed(const ResolvedJob& job, const Frame& frame,
-                                  const std::vector<LightPosition>& positions, LayerSum& sum) {
+void RenderRun::answer_unshadowed(const ResolvedJob& job, const Frame& frame, const std::vector<LightSample>& positions,
+                                  LayerSum& sum) {
     const auto timer = engine_.time_stage("unshadowed");
     for (const OutputSpec& output : job.descriptor->outputs) {
         Image image{frame.width, frame.height, output.channels, {}};

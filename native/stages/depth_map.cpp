@@ -28,7 +28,7 @@ private:
     const GladGLContext& gl_;
 };
 
-std::shared_ptr<const DepthMap> draw_depth_map(Engine& engine, const Scene& scene, const LightPosition& position,
+std::shared_ptr<const DepthMap> draw_depth_map(Engine& engine, const Scene& scene, const LightSample& position,
                                                double slope_factor, const ContentKey& key) {
     const auto timer = engine.time_stage("depth_map");
     const int layers = std::max(1, int(position.views.size()));
@@ -60,7 +60,7 @@ std::shared_ptr<const DepthMap> draw_depth_map(Engine& engine, const Scene& scen
 
 }  // namespace
 
-std::shared_ptr<const DepthMap> render_depth_map(Engine& engine, const Scene& scene, const LightPosition& position,
+std::shared_ptr<const DepthMap> render_depth_map(Engine& engine, const Scene& scene, const LightSample& position,
                                                  double slope_factor) {
     KeyBuilder builder("depth_map");
     builder.add(slope_factor).add(position.views.size());

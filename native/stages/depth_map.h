@@ -25,7 +25,7 @@ struct DepthMap {
 inline constexpr double kReceiverPlaneSlopeFactor = 0.5;
 
 /// Cached by the views' keys. A position without views gives a map of one empty texel. Counts "map_bytes".
-std::shared_ptr<const DepthMap> render_depth_map(Engine& engine, const Scene& scene, const LightPosition& position,
+std::shared_ptr<const DepthMap> render_depth_map(Engine& engine, const Scene& scene, const LightSample& position,
                                                  double slope_factor = kReceiverPlaneSlopeFactor);
 
 }  // namespace shadow_layers

@@ -53,7 +53,7 @@ DrawState sorting_state(EdgeOrder order) {
 }
 
 std::shared_ptr<const EdgeDistanceMap> draw_edge_distance_map(Engine& engine, const MapEdgeFinder::Result& found,
-                                                              const LightPosition& position, const DepthMap& depth_map,
+                                                              const LightSample& position, const DepthMap& depth_map,
                                                               const EdgeDistanceOptions& options) {
     const auto timer = engine.time_stage("edge_distance_map");
     const gl::Texture& depth_tx = *depth_map.texture;
@@ -99,7 +99,7 @@ double compute_edge_depth_scale(const LightView& view) {
 }
 
 std::shared_ptr<const EdgeDistanceMap> render_edge_distance_map(Engine& engine, MapEdgeFinder& finder,
-                                                                const Scene& scene, const LightPosition& position,
+                                                                const Scene& scene, const LightSample& position,
                                                                 const DepthMap& depth_map,
                                                                 const EdgeDistanceOptions& options) {
     const ContentKey key = KeyBuilder("edge_distance_map")

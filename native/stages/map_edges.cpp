@@ -30,7 +30,7 @@ struct InstanceEdges {
 };
 
 std::vector<InstanceEdges> find_by_instance(Engine& engine, AdjacencyCache& cache, const Scene& scene,
-                                            const LightPosition& position, const SilhouetteOptions& options) {
+                                            const LightSample& position, const SilhouetteOptions& options) {
     std::set<std::uint32_t> casters;
     for (const LightView& view : position.views) casters.insert(view.casters.begin(), view.casters.end());
     std::vector<InstanceEdges> found;
@@ -115,7 +115,7 @@ bool project_edge(const LightView& view, glm::dvec4 start_lc, glm::dvec4 end_lc,
     return true;
 }
 
-MapEdgeFinder::Result MapEdgeFinder::find(Engine& engine, const Scene& scene, const LightPosition& position,
+MapEdgeFinder::Result MapEdgeFinder::find(Engine& engine, const Scene& scene, const LightSample& position,
                                           const MapEdgeOptions& options) {
     const auto timer = engine.time_stage("silhouettes");
     Result result;

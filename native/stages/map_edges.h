@@ -32,7 +32,7 @@ public:
         std::vector<std::vector<MapEdge>> by_view;  ///< in the order of instances and of their edges
         std::int64_t silhouette_edges = 0;          ///< found, before any view cuts them
     };
-    Result find(Engine& engine, const Scene& scene, const LightPosition& position, const MapEdgeOptions& options);
+    Result find(Engine& engine, const Scene& scene, const LightSample& position, const MapEdgeOptions& options);
 
 private:
     AdjacencyCache adjacency_;

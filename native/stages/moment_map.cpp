@@ -134,7 +134,7 @@ private:
     const MomentMapOptions& options_;
 };
 
-std::vector<float> find_stretches(const LightPosition& position) {
+std::vector<float> find_stretches(const LightSample& position) {
     std::vector<float> stretches;
     for (const LightView& view : position.views)
         stretches.push_back(view.perspective ? float(view.far_ls / view.near_ls - 1) : 0.0f);
@@ -179,7 +179,7 @@ int find_reach_texels(const MomentMapOptions& options) {
     return options.radius + levels;
 }
 
-std::shared_ptr<const MomentMap> render_moment_map(Engine& engine, const LightPosition& position,
+std::shared_ptr<const MomentMap> render_moment_map(Engine& engine, const LightSample& position,
                                                    const DepthMap& depth_map, const MomentMapOptions& options) {
     const ContentKey key = KeyBuilder("moment_map")
                                .add(depth_map.key)

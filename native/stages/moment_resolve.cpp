@@ -5,7 +5,7 @@
 namespace shadow_layers {
 
 const gl::Texture& MomentResolvePass::run(Engine& engine, const Frame& frame, const Light& light,
-                                          const LightPosition& position, const MomentMapOptions& options,
+                                          const LightSample& position, const MomentMapOptions& options,
                                           const gl::Program& program, const std::function<void()>& set_uniforms) {
     const auto depths = render_depth_map(engine, *frame.scene, position);
     const auto map = render_moment_map(engine, position, *depths, options);

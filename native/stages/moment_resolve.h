@@ -15,7 +15,7 @@ public:
     /// Makes depth and moment map and draws `program`, whose fragment shader includes
     /// "stages/moment_inputs.glsl"; `set_uniforms` sets those of the technique's own. Visibility (R32F), valid until
     /// the next run.
-    const gl::Texture& run(Engine& engine, const Frame& frame, const Light& light, const LightPosition& position,
+    const gl::Texture& run(Engine& engine, const Frame& frame, const Light& light, const LightSample& position,
                            const MomentMapOptions& options, const gl::Program& program,
                            const std::function<void()>& set_uniforms);
 

@@ -10,7 +10,7 @@
 namespace shadow_layers {
 namespace {
 
-void set_cube_layers(LightParams& params, const LightPosition& position) {
+void set_cube_layers(LightParams& params, const LightSample& position) {
     params.layer_of_face[0] = glm::ivec4(-1);
     params.layer_of_face[1] = glm::ivec4(-1, -1, position.cube ? 1 : 0, int(position.views.size()));
     for (std::size_t layer = 0; layer < position.views.size(); ++layer) {
@@ -21,7 +21,7 @@ void set_cube_layers(LightParams& params, const LightPosition& position) {
 
 }  // namespace
 
-LightParams make_light_params(const Frame& frame, const Light& light, const LightPosition& position) {
+LightParams make_light_params(const Frame& frame, const Light& light, const LightSample& position) {
     LightParams params{};
     const glm::dmat4 ws_from_rel = glm::translate(glm::dmat4(1.0), frame.origin_ws);
     for (std::size_t layer = 0; layer < std::min<std::size_t>(position.views.size(), kMaxViews); ++layer)

@@ -14,7 +14,7 @@ namespace shadow_layers {
 
 /// One light position in the form of shaders/shared/light_params.h: matrices are composed in double with the frame's
 /// origin, so that a scene far from the world's origin costs no precision.
-LightParams make_light_params(const Frame& frame, const Light& light, const LightPosition& position);
+LightParams make_light_params(const Frame& frame, const Light& light, const LightSample& position);
 
 /// Draws a full-screen program over the frame. Its fragment shader includes "stages/resolve_inputs.glsl". One pass
 /// serves all views of a position: the shader picks layer and matrix by cube face. Kept by a technique between frames.
@@ -23,7 +23,7 @@ public:
     struct Task {
         const Frame& frame;
         const Light& light;
-        const LightPosition& position;
+        const LightSample& position;
         const gl::Program& program;  ///< may `discard` the pixels that it leaves to `second_program`
         /// Drawn over the pixels that `program` discarded, if any are to be expected. A depth test holds the others
         /// back: unlike a branch in the shader, that saves their cost on a software rasteriser too.

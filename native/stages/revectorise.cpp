@@ -26,7 +26,7 @@ void RevectorisePass::prepare(Engine& engine, const RevectoriseSettings& setting
 }
 
 const gl::Texture& RevectorisePass::run(Engine& engine, const Frame& frame, const Light& light,
-                                        const LightPosition& position) {
+                                        const LightSample& position) {
     const auto map = render_depth_map(engine, *frame.scene, position);
     return resolve_.run(engine, {.frame = frame,
                                  .light = light,

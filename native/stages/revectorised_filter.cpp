@@ -80,7 +80,7 @@ void RevectorisedFilterPass::prepare(Engine& engine, const RevectorisedFilterSet
 }
 
 const gl::Texture& RevectorisedFilterPass::run(Engine& engine, const Frame& frame, const Light& light,
-                                               const LightPosition& position) {
+                                               const LightSample& position) {
     const auto map = render_depth_map(engine, *frame.scene, position);
     const int window_reach = settings_.window_reach();
     const auto ranges = settings_.early_out ? render_depth_range_map(engine, *map, window_reach) : nullptr;

@@ -54,7 +54,7 @@ std::shared_ptr<const SilhouetteMap> draw_silhouette_map(Engine& engine, const M
 }  // namespace
 
 std::shared_ptr<const SilhouetteMap> render_silhouette_map(Engine& engine, MapEdgeFinder& finder, const Scene& scene,
-                                                           const LightPosition& position, const DepthMap& depth_map) {
+                                                           const LightSample& position, const DepthMap& depth_map) {
     MapEdgeOptions options;
     options.reach_texels = kReachTexels + 0.5;
     options.silhouettes.skip_concave = true;  // no border of a shadow

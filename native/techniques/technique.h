@@ -32,7 +32,7 @@ struct LightTask {
     const Frame& frame;
     FrameSource& frames;
     const Light& light;
-    const std::vector<LightPosition>& positions;
+    const std::vector<LightSample>& positions;
     const ParameterValues& parameters;
 };
 

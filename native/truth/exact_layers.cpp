@@ -97,7 +97,7 @@ struct ExactLayers::Impl {
         : oracle(std::move(scene)), pool(threads), cancelled(cancelled_flag) {}
 
     template <class Decide>
-    std::vector<float> decide_pixels(const Light& light, const LightPosition& position, const Decide& decide) {
+    std::vector<float> decide_pixels(const Light& light, const LightSample& position, const Decide& decide) {
         const FacingRule rule(frame, light, position);
         std::vector<float> visibility(frame.pixel_count());
         pool.parallel_for(frame.pixel_count(), kBlock, [&](std::size_t begin, std::size_t end) {
@@ -126,7 +126,7 @@ struct ExactLayers::Impl {
     // Is a point of the receiver's plane, away from the receiver, in shadow? The receiver's own surface may rise before
     // its plane there, where it is hollow: nearer to the plane than the point is to the receiver, it is no blocker.
     bool is_shadowed(const glm::dvec3& point, const glm::dvec3& receiver, const PixelIds& ids, const Light& light,
-                     const LightPosition& position) const {
+                     const LightSample& position) const {
         if (!oracle.is_occluded(point, ids, light, position)) return false;
         const glm::dvec3 to_light = position.directional ? position.to_light_ws : position.position_ws - point;
         const double rise = glm::length(point - receiver);
@@ -143,8 +143,7 @@ struct ExactLayers::Impl {
         return true;
     }
 
-    float filter(const Footprint& footprint, std::size_t pixel, const Light& light,
-                 const LightPosition& position) const {
+    float filter(const Footprint& footprint, std::size_t pixel, const Light& light, const LightSample& position) const {
         int lit = 0, counted = 0;
         const auto take = [&](double x, double y) {
             const auto point = footprint.point_at(x, y);
@@ -175,8 +174,8 @@ struct ExactLayers::Impl {
     }
 
     std::vector<float> compute_filtered(const Light& light, const TruthSpec& spec, int map_size) {
-        const auto positions = make_light_positions(frame, light, {map_size, 0, 1}, nullptr, &pool);
-        const LightPosition& position = positions.front();
+        const auto positions = make_light_samples(frame, light, {map_size, 0, 1}, nullptr, &pool);
+        const LightSample& position = positions.front();
         std::vector<MapPlane> views;
         for (const LightView& view : position.views)
             views.push_back({&view, glm::inverse(view.lc_from_ls), glm::inverse(view.ls_from_ws)});
@@ -191,7 +190,7 @@ struct ExactLayers::Impl {
         });
     }
 
-    std::vector<float> compute_hard(const Light& light, const LightPosition& position) {
+    std::vector<float> compute_hard(const Light& light, const LightSample& position) {
         return decide_pixels(light, position, [&](std::size_t pixel) {
             const glm::dvec3 point_ws = find_plane(pixel).point_ws;
             return oracle.is_occluded(point_ws, frame.ids[pixel], light, position) ? 0.0f : 1.0f;
@@ -200,9 +199,9 @@ struct ExactLayers::Impl {
 
     // Light with shadows by light without them, as Cycles's ratio; where no position brings light, the plain mean.
     std::vector<float> compute_soft(const Light& light) {
-        const auto positions = sample_light_shape(light, kLightPositions, LightPattern::Spiral);
+        const auto positions = sample_light_shape(light, kLightSamples, LightPattern::Spiral);
         std::vector<double> lit(frame.pixel_count()), all(frame.pixel_count()), plain(frame.pixel_count());
-        for (const LightPosition& position : positions) {
+        for (const LightSample& position : positions) {
             const std::vector<float> mask = compute_hard(light, position);
             const FacingRule rule(frame, light, position);
             for (std::size_t pixel = 0; pixel < mask.size(); ++pixel) {
@@ -262,7 +261,7 @@ std::vector<float> ExactLayers::compute(std::uint32_t light, const TruthSpec& sp
 
 std::vector<std::uint8_t> ExactLayers::find_comparable(std::uint32_t light) const {
     const Light& source = impl_->frame.scene->lights[light];
-    const LightPosition position = sample_light_shape(source, 1).front();
+    const LightSample position = sample_light_shape(source, 1).front();
     const FacingRule rule(impl_->frame, source, position);
     std::vector<std::uint8_t> comparable(impl_->frame.pixel_count());
     for (std::size_t pixel = 0; pixel < comparable.size(); ++pixel)

@@ -32,7 +32,7 @@ public:
     /// triangle; the square is taken in the map's plane (footprint_texels) or in the receiver's (footprint_world);
     /// the receiver's own surface, where it rises before that plane less than it is away, is no blocker. Where the
     /// square's corners, sides' middles and centre agree, they are the answer; elsewhere kFilterSide^2 points are
-    /// taken. Soft: the mean over kLightPositions points of the light's shape, each weighted by the light that it
+    /// taken. Soft: the mean over kLightSamples points of the light's shape, each weighted by the light that it
     /// brings. Pixel: the mean over the pixel's square (compute_pixel_means). Throws Cancelled.
     std::vector<float> compute(std::uint32_t light, const TruthSpec& spec, int map_size) const;
 
@@ -40,7 +40,7 @@ public:
     /// light, inside its cone, and linked.
     std::vector<std::uint8_t> find_comparable(std::uint32_t light) const;
 
-    static constexpr int kFilterSide = 8, kLightPositions = 64;
+    static constexpr int kFilterSide = 8, kLightSamples = 64;
 
 private:
     struct Impl;

@@ -20,7 +20,7 @@ constexpr std::size_t kBlock = 1 << 8;  // pixels
 class Probes {
 public:
     Probes(const RayOracle& oracle, const Frame& frame, int row, int rows, const Light& light,
-           const LightPosition& position, ThreadPool& threads)
+           const LightSample& position, ThreadPool& threads)
         : columns_(2 * frame.width + 1) {
         // Half a pixel wide each, and the first of them about the band's lower left corner.
         const Camera camera = crop_camera(frame.camera, 2 * frame.width, 2 * frame.height,
@@ -54,7 +54,7 @@ float take_mean(const PixelSamples& samples, std::size_t pixel) {
 }  // namespace
 
 std::vector<float> compute_pixel_means(const RayOracle& oracle, const TriangleTree& tree, const Frame& frame,
-                                       const Light& light, const LightPosition& position, ThreadPool& threads,
+                                       const Light& light, const LightSample& position, ThreadPool& threads,
                                        const std::function<void()>& check_cancelled) {
     const PixelSamples samples(oracle, frame, light, position);
     const PlaneShadows planes(oracle, tree, frame, light, position);

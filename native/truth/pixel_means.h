@@ -19,7 +19,7 @@ namespace shadow_layers::truth {
 /// at a random place of each cell of a grid, the same ones every time. `check_cancelled` is called now and then by any
 /// thread, and may throw.
 std::vector<float> compute_pixel_means(const RayOracle& oracle, const TriangleTree& tree, const Frame& frame,
-                                       const Light& light, const LightPosition& position, ThreadPool& threads,
+                                       const Light& light, const LightSample& position, ThreadPool& threads,
                                        const std::function<void()>& check_cancelled);
 
 inline constexpr int kSamplesAcross = 16;

@@ -30,8 +30,7 @@ struct ReceiverList {
 
 }  // namespace
 
-PixelSamples::PixelSamples(const RayOracle& oracle, const Frame& frame, const Light& light,
-                           const LightPosition& position)
+PixelSamples::PixelSamples(const RayOracle& oracle, const Frame& frame, const Light& light, const LightSample& position)
     : oracle_(oracle), frame_(frame), light_(light), position_(position) {}
 
 std::optional<RayHit> PixelSamples::see(const PixelRay& ray) const {

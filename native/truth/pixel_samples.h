@@ -21,7 +21,7 @@ enum class SampleReceiver : std::uint8_t {
 class PixelSamples {
 public:
     /// All must outlive this. The frame needs camera, size, origin, scene, and what its pixels' centres see.
-    PixelSamples(const RayOracle& oracle, const Frame& frame, const Light& light, const LightPosition& position);
+    PixelSamples(const RayOracle& oracle, const Frame& frame, const Light& light, const LightSample& position);
 
     /// For each offset (dx, dy), in pixels from the pixel's centre: 1 = lit, 0 = in shadow or turned away. Each place
     /// goes by the rule of lights/facing.h for itself: 1 in the background, outside the cone and unlinked. With
@@ -39,7 +39,7 @@ private:
     const RayOracle& oracle_;
     const Frame& frame_;
     const Light& light_;
-    const LightPosition& position_;
+    const LightSample& position_;
 };
 
 /// One place in each cell of a grid over the pixel, from its centre, in pixels: across * across, rows from the bottom.

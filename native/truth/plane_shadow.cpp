@@ -78,7 +78,7 @@ struct PlaneShadows::Facet {
 };
 
 PlaneShadows::PlaneShadows(const RayOracle& oracle, const TriangleTree& tree, const Frame& frame, const Light& light,
-                           const LightPosition& position)
+                           const LightSample& position)
     : oracle_(oracle), tree_(tree), frame_(frame), light_(light), position_(position), rule_(frame, light, position) {}
 
 std::optional<PlaneShadows::Facet> PlaneShadows::find_facet(std::size_t pixel) const {

@@ -20,7 +20,7 @@ class PlaneShadows {
 public:
     /// All must outlive this. The frame needs camera, size, origin, scene, and what its pixels' centres see.
     PlaneShadows(const RayOracle& oracle, const TriangleTree& tree, const Frame& frame, const Light& light,
-                 const LightPosition& position);
+                 const LightSample& position);
 
     /// The part of the pixel's square, 0 to 1, that the light reaches on the plane of the triangle that the pixel's
     /// centre sees, as if that plane were endless and alone; triangles that lie in it don't cast. Exactly 0 or 1 where
@@ -43,7 +43,7 @@ private:
     const TriangleTree& tree_;
     const Frame& frame_;
     const Light& light_;
-    const LightPosition& position_;
+    const LightSample& position_;
     FacingRule rule_;
 };
 

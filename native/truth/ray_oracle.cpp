@@ -179,7 +179,7 @@ std::optional<RayHit> RayOracle::find_first(const glm::dvec3& origin_ws, const g
 }
 
 bool RayOracle::is_occluded(const glm::dvec3& receiver_ws, const PixelIds& receiver, const Light& light,
-                            const LightPosition& position, OwnSurface own) const {
+                            const LightSample& position, OwnSurface own) const {
     Query query;
     rtcInitIntersectContext(&query.context);
     query.origin = receiver_ws - impl_->origin;
@@ -209,7 +209,7 @@ std::optional<double> RayOracle::meet_plane(const PixelRay& ray, const PixelIds&
     return glm::dot(corners[0] + (impl_->origin - ray.origin_ws), normal) / along;
 }
 
-std::vector<float> RayOracle::compute_visibility(const Frame& frame, const Light& light, const LightPosition& position,
+std::vector<float> RayOracle::compute_visibility(const Frame& frame, const Light& light, const LightSample& position,
                                                  ThreadPool* threads) const {
     const FacingRule rule(frame, light, position);
     std::vector<float> visibility(frame.pixel_count());

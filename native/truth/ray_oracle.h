@@ -49,7 +49,7 @@ public:
     /// triangle and triangles in its plane that share an edge with it (by position); or all that lie in its plane, for
     /// a receiver somewhere on that.
     bool is_occluded(const glm::dvec3& receiver_ws, const PixelIds& receiver, const Light& light,
-                     const LightPosition& position, OwnSurface own = OwnSurface::Neighbours) const;
+                     const LightSample& position, OwnSurface own = OwnSurface::Neighbours) const;
 
     /// Where the ray meets the plane of the triangle, along its direction; nothing if it runs along the plane.
     std::optional<double> meet_plane(const PixelRay& ray, const PixelIds& ids) const;
@@ -57,7 +57,7 @@ public:
     /// The exact hard shadow: per pixel of the frame 1 = lit, 0 = in shadow or turned away, by the rule of
     /// lights/facing.h. Receivers are taken anew in double from the pixel's ray and the plane of the triangle in
     /// frame.ids.
-    std::vector<float> compute_visibility(const Frame& frame, const Light& light, const LightPosition& position,
+    std::vector<float> compute_visibility(const Frame& frame, const Light& light, const LightSample& position,
                                           ThreadPool* threads = nullptr) const;
 
     /// A frame without GL: ids, positions, normals and coverage as frame.h says; no textures, no key.

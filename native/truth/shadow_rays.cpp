@@ -196,7 +196,7 @@ ShadowRayTimes ShadowRays::measure(const RenderRequest& request, const FrameResu
     std::uint64_t built_for = 0;
     for (const std::uint32_t index : list_lights(request)) {
         const Light& light = request.scene->lights[index];
-        const LightPosition position = sample_light_shape(light, 1).front();
+        const LightSample position = sample_light_shape(light, 1).front();
         const FacingRule rule(frame, light, position);
         std::vector<Receiver> receivers;
         {

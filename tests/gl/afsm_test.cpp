@@ -159,7 +159,7 @@ struct PixelComparison {
 PixelComparison compare_with_squares(TechniqueRunner& runner, const SceneView& view, int samples) {
     const TechniqueRun run = runner.render(view, "afsm", parameters({{"samples", std::int64_t(samples)}}));
     const Light& light = view.scene->lights[0];
-    const LightPosition& position = run.positions.at(0);
+    const LightSample& position = run.positions.at(0);
     const truth::RayOracle oracle(view.scene);
     const truth::TriangleTree tree(oracle, *view.scene);
     const Frame& frame = *run.frame;

@@ -305,7 +305,7 @@ TEST_P(Contract, TheBoxIsNearTheTruth) {
     const auto visibility = render(shared_session(), request).at(0).channels.at("visibility").data;
     const RayOracle oracle(view.scene);
     const Frame frame = oracle.make_frame(view.camera, view.width, view.height);
-    const auto positions = make_light_positions(frame, view.scene->lights[0], {512, 2, 1});
+    const auto positions = make_light_samples(frame, view.scene->lights[0], {512, 2, 1});
     const auto truth = oracle.compute_visibility(frame, view.scene->lights[0], positions.at(0));
     const FacingRule facing(frame, view.scene->lights[0], positions[0]);
     double facing_count = 0, wrong_count = 0;

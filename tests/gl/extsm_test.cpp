@@ -95,7 +95,7 @@ protected:
     /// Of the plate's first side, away from its corners.
     BorderSpan find_border(const SceneView& view, const ParameterValues& given) {
         const auto run = runner_.render(view, "extsm", given);
-        const LightPosition& position = run.positions[0];
+        const LightSample& position = run.positions[0];
         const glm::dmat4& matrix = view.scene->instances[1].world_from_object;
         BorderSpan span;
         for (std::size_t pixel = 0; pixel < run.visibility().size(); ++pixel) {

@@ -201,9 +201,9 @@ bool is_plain_round(const std::vector<std::uint8_t>& kinds, const Frame& frame, 
 }
 
 /// The world length of a texel at a point on the floor.
-double texel_at(const std::vector<LightPosition>& positions, const glm::dvec3& point) {
+double texel_at(const std::vector<LightSample>& positions, const glm::dvec3& point) {
     double texel = 0;
-    for (const LightPosition& position : positions)
+    for (const LightSample& position : positions)
         for (const LightView& view : position.views) {
             const glm::dvec4 clip = view.lc_from_ws * glm::dvec4(point, 1);
             if (!(clip.w > 0) || std::abs(clip.x) > clip.w || std::abs(clip.y) > clip.w) continue;
@@ -249,7 +249,7 @@ TEST_P(InvarianceOfTechnique, FieldOfViewAgainstAClosedForm) {
             // Without maps there are no texels to keep clear of: those taken for them are finer than pixels.
             settings.map_size = needs.map_size > 0 ? needs.map_size : 1 << 14;
             settings.border_texels = needs.map_border_texels;
-            const auto positions = make_light_positions(frame, view.scene->lights[0], settings);
+            const auto positions = make_light_samples(frame, view.scene->lights[0], settings);
             const FacingRule rule(frame, view.scene->lights[0], positions[0]);
             std::vector<std::uint8_t> dark(frame.pixel_count());
             for (std::size_t pixel = 0; pixel < frame.pixel_count(); ++pixel)

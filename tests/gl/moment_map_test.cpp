@@ -18,7 +18,7 @@ constexpr int kLayers = 3;
 
 /// Views of three ranges of depth, the last one parallel, over random depths with some empty texels.
 struct RandomMap {
-    LightPosition position;
+    LightSample position;
     DepthMap depths;
     std::vector<float> depth_rz;  ///< layer, row, column
     int size = 0;

@@ -168,7 +168,7 @@ TEST_F(MultiTest, OnePositionAndLightsWithoutSizeGiveTheHardShadowExactly) {
         const auto run = runner_.render(view, "multi", settings(9, "grid", 256));
         EXPECT_EQ(run.visibility(),
                   runner_.render(view, "sm", parameters({{"map_size", std::int64_t{256}}})).visibility());
-        EXPECT_EQ(run.stats.counters.at("light_positions"), 1);
+        EXPECT_EQ(run.stats.counters.at("light_samples"), 1);
     }
 }
 
@@ -209,7 +209,7 @@ TEST_F(MultiTest, ACancelIsHeardBetweenPositions) {
     CancelToken cancel;
     cancel.request();
     const ViewSettings views{64, 2, 8, LightPattern::Spiral};
-    EXPECT_THROW(make_light_positions(*run.frame, light, views, nullptr, nullptr, &cancel), Cancelled);
+    EXPECT_THROW(make_light_samples(*run.frame, light, views, nullptr, nullptr, &cancel), Cancelled);
     runner_.engine().cancel_token().request();
     EXPECT_THROW(runner_.render(view, "multi", settings(2)), Cancelled);
     runner_.engine().cancel_token().reset();

@@ -61,7 +61,7 @@ protected:
     Errors measure(const SceneView& view, const std::string& technique, std::int64_t kernel) {
         const auto run = runner_.render(view, technique, parameters({{"map_size", map_size_}, {"kernel", kernel}}));
         const RayOracle oracle(view.scene);
-        const LightPosition& position = run.positions[0];
+        const LightSample& position = run.positions[0];
         const PlaneInMap map(position.views.at(0));
         Errors errors;
         double count = 0;
@@ -83,7 +83,7 @@ protected:
     }
 
     static double average(const RayOracle& oracle, const PlaneInMap& map, const PixelIds& ids, const Light& light,
-                          const LightPosition& position, const glm::dvec3& at, std::int64_t kernel) {
+                          const LightSample& position, const glm::dvec3& at, std::int64_t kernel) {
         constexpr int kSamples = 13;
         const glm::dvec2 middle = map.to_texel(at);
         const auto is_lit = [&](double x, double y) {

@@ -12,9 +12,9 @@
 #include "edge_map.h"
 #include "lights/facing.h"
 #include "stages/edge_distance_map.h"
-#include "stages/occlusion_rule.h"
 #include "support/edsm_segments.h"
 #include "techniques/edsm/edsm.h"
+#include "visibility/occlusion_rule.h"
 
 namespace shadow_layers::testing {
 namespace {
@@ -60,7 +60,7 @@ double find_rounding(const glm::dmat4& lc_from_rel, const glm::dvec3& receiver_r
 struct EDSMExaminer::Impl {
     const TechniqueRun& run;
     const Light& light;
-    const LightPosition& position;
+    const LightSample& position;
     const truth::RayOracle& oracle;
     const OcclusionRule rule;
     int size = 0;
@@ -226,7 +226,7 @@ EDSMCauses count_edsm_causes(TechniqueRunner& runner, const SceneView& view, con
                              const ParameterValues& parameters, std::size_t light) {
     const TechniqueRun run = runner.render(view, "edsm", parameters, light);
     const Light& source = view.scene->lights[light];
-    const LightPosition& position = run.positions.at(0);
+    const LightSample& position = run.positions.at(0);
     EDSMCauses causes;
     if (position.views.empty() || !source.casts_shadow) return causes;
     const auto truth = oracle.compute_visibility(*run.frame, source, position, &runner.engine().threads());

@@ -77,7 +77,7 @@ int count_chains(const std::vector<EdgeSegment>& segments) {
     return int(std::set<std::size_t>(chain.begin(), chain.end()).size());
 }
 
-std::vector<EdgeSegment> find_edge_segments(const Scene& scene, const LightPosition& position, const LightView& view,
+std::vector<EdgeSegment> find_edge_segments(const Scene& scene, const LightSample& position, const LightView& view,
                                             ThreadPool& threads) {
     const LightPoint light =
         position.directional ? LightPoint(position.to_light_ws, 0.0) : LightPoint(position.position_ws, 1.0);

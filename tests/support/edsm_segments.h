@@ -33,7 +33,7 @@ bool cut_at_square(EdgeSegment& segment, glm::dvec2 low, double side);
 int count_chains(const std::vector<EdgeSegment>& segments);
 
 /// The silhouette edges of a view's casters inside its map, borders of shadows or not.
-std::vector<EdgeSegment> find_edge_segments(const Scene& scene, const LightPosition& position, const LightView& view,
+std::vector<EdgeSegment> find_edge_segments(const Scene& scene, const LightSample& position, const LightView& view,
                                             ThreadPool& threads);
 
 }  // namespace shadow_layers::testing

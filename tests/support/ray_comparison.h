@@ -40,7 +40,7 @@ inline RayComparison compare_with_rays(TechniqueRunner& runner, SceneView view, 
     RayComparison result;
     result.run = runner.render(view, technique, given);
     const Frame& frame = *result.run.frame;
-    const LightPosition& position = result.run.positions.at(0);
+    const LightSample& position = result.run.positions.at(0);
     const truth::RayOracle oracle(view.scene);
     result.truth = oracle.compute_visibility(frame, light, position, &runner.engine().threads());
     const FacingRule facing(frame, light, position);

@@ -21,7 +21,7 @@ struct ShadowErrors {
     std::size_t pixels = 0;
 };
 
-inline ShadowErrors measure_shadow_errors(const Frame& frame, const Light& light, const LightPosition& position,
+inline ShadowErrors measure_shadow_errors(const Frame& frame, const Light& light, const LightSample& position,
                                           const std::vector<float>& truth, const std::vector<float>& visibility,
                                           int far_px = 4) {
     const FacingRule facing(frame, light, position);

@@ -34,7 +34,7 @@ public:
 
 struct TechniqueRun {
     std::shared_ptr<const Frame> frame;
-    std::vector<LightPosition> positions;
+    std::vector<LightSample> positions;
     std::map<std::string, Image> channels;
     RenderStats stats;
     const std::vector<float>& visibility() const { return channels.at("visibility").data; }
@@ -73,9 +73,8 @@ public:
         run.frame = maker.make(glm::dvec2(0.0));
         SampleFrames frames(maker, glm::dvec2(0.0));
         const Light& source = view.scene->lights[light];
-        const ViewSettings settings{needs.map_size, needs.map_border_texels, needs.light_positions,
-                                    needs.light_pattern};
-        run.positions = make_light_positions(*run.frame, source, settings, nullptr, &engine_->threads());
+        const ViewSettings settings{needs.map_size, needs.map_border_texels, needs.light_samples, needs.light_pattern};
+        run.positions = make_light_samples(*run.frame, source, settings, nullptr, &engine_->threads());
         KeptOutputs outputs;
         made->render(*engine_, {frames.centre(), frames, source, run.positions, values}, outputs);
         run.stats = record.stats();

@@ -105,7 +105,7 @@ TEST(LightShape, ManyPositionsSpreadOverTheShape) {
     glm::dvec3 mean(0);
     double widest = 0;
     const auto area = sample_light_shape(light, 200);
-    for (const LightPosition& p : area) {
+    for (const LightSample& p : area) {
         const glm::dvec3 local = glm::inverse(light.world_from_light) * glm::dvec4(p.position_ws, 1);
         EXPECT_LE(std::abs(local.x), 2 + 1e-12);
         EXPECT_LE(std::abs(local.y), 1 + 1e-12);
@@ -119,7 +119,7 @@ TEST(LightShape, ManyPositionsSpreadOverTheShape) {
     light = testing::make_light(LightKind::Sun, {0, 0, 1}, {0, 0, 0});
     light.sun_angle = 0.1;
     double most = 0;
-    for (const LightPosition& p : sample_light_shape(light, 100)) {
+    for (const LightSample& p : sample_light_shape(light, 100)) {
         EXPECT_NEAR(glm::length(p.to_light_ws), 1, 1e-12);
         const double angle = std::acos(p.to_light_ws.z);
         EXPECT_LE(angle, 0.05 + 1e-9);
@@ -129,7 +129,7 @@ TEST(LightShape, ManyPositionsSpreadOverTheShape) {
 
     light = testing::make_light(LightKind::Point, {5, 6, 7}, {0, 0, 0});
     light.radius = 2;
-    for (const LightPosition& p : sample_light_shape(light, 50))
+    for (const LightSample& p : sample_light_shape(light, 50))
         EXPECT_LE(glm::distance(p.position_ws, {5, 6, 7}), 2 + 1e-12);
     EXPECT_EQ(sample_light_shape(light, 1)[0].position_ws, glm::dvec3(light.world_from_light[3]));
 }

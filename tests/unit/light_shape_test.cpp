@@ -26,7 +26,7 @@ Light tilted_light(LightKind kind) { return testing::make_light(kind, {3, -2, 5}
 
 std::vector<glm::dvec3> offsets_in_light(const Light& light, int count, LightPattern pattern) {
     std::vector<glm::dvec3> offsets;
-    for (const LightPosition& position : sample_light_shape(light, count, pattern))
+    for (const LightSample& position : sample_light_shape(light, count, pattern))
         offsets.push_back(glm::dvec3(glm::inverse(light.world_from_light) * glm::dvec4(position.position_ws, 1)));
     return offsets;
 }
@@ -95,7 +95,7 @@ TEST(LightShape, ASunIsEvenInSolidAngle) {
             const glm::dmat3 light_from_world = glm::transpose(glm::dmat3(light.world_from_light));
             std::vector<double> shares;
             std::vector<glm::dvec3> across;
-            for (const LightPosition& position : sample_light_shape(light, kCount, pattern)) {
+            for (const LightSample& position : sample_light_shape(light, kCount, pattern)) {
                 const glm::dvec3 local = light_from_world * position.to_light_ws;
                 EXPECT_NEAR(glm::length(local), 1, 1e-12);
                 const double sine = glm::length(glm::dvec2(local));  // 1 - cosine without its rounding
@@ -150,8 +150,8 @@ TEST(LightShape, WithoutSizeAllPositionsAreTheCentre) {
     for (const LightKind kind : {LightKind::Sun, LightKind::Spot, LightKind::Point, LightKind::Area}) {
         Light light = tilted_light(kind);
         light.area_size = glm::dvec2(0);
-        const LightPosition centre = sample_light_shape(light, 1).at(0);
-        for (const LightPosition& position : sample_light_shape(light, 7, LightPattern::Spiral)) {
+        const LightSample centre = sample_light_shape(light, 1).at(0);
+        for (const LightSample& position : sample_light_shape(light, 7, LightPattern::Spiral)) {
             EXPECT_EQ(position.position_ws, centre.position_ws);
             EXPECT_EQ(position.to_light_ws, centre.to_light_ws);
         }

@@ -29,7 +29,7 @@ Light light_of(LightKind kind, glm::dvec3 place, glm::dvec3 target, double spot_
 
 /// The views of the light's centre, by value: a loop may go over them.
 std::vector<LightView> make_views(const Frame& frame, const Light& light, const ViewSettings& settings) {
-    return make_light_positions(frame, light, settings).at(0).views;
+    return make_light_samples(frame, light, settings).at(0).views;
 }
 
 /// The same for a scene that is moved and scaled as a whole.
@@ -51,7 +51,7 @@ glm::dvec3 map_place(const LightView& view, const glm::dvec3& point_ws) {
 }
 
 /// The views that a receiver may be looked up in: those of the faces that hold the greatest part of its direction.
-std::vector<const LightView*> views_of(const LightPosition& position, const glm::dvec3& point_ws) {
+std::vector<const LightView*> views_of(const LightSample& position, const glm::dvec3& point_ws) {
     std::vector<const LightView*> found;
     const glm::dvec3 local = glm::transpose(position.axes_ws) * (point_ws - position.position_ws);
     const glm::dvec3 reach = glm::abs(local);
@@ -65,9 +65,9 @@ std::vector<const LightView*> views_of(const LightPosition& position, const glm:
 }
 
 /// Every lit receiver lies on the map proper of every view it may be looked up in, in front of the far plane.
-int expect_receivers_covered(const Frame& frame, const Light& light, const std::vector<LightPosition>& positions) {
+int expect_receivers_covered(const Frame& frame, const Light& light, const std::vector<LightSample>& positions) {
     int lit = 0;
-    for (const LightPosition& position : positions) {
+    for (const LightSample& position : positions) {
         const FacingRule rule(frame, light, position);
         for (std::size_t pixel = 0; pixel < frame.pixel_count(); ++pixel) {
             if (rule.classify(pixel) != Facing::Lit) continue;
@@ -91,7 +91,7 @@ int expect_receivers_covered(const Frame& frame, const Light& light, const std::
 }
 
 /// Every instance that shades a receiver is a caster of its view, and no nearer than the near plane.
-int expect_casters_found(const SceneView& view, const Frame& frame, const Light& light, const LightPosition& position) {
+int expect_casters_found(const SceneView& view, const Frame& frame, const Light& light, const LightSample& position) {
     const RayOracle oracle(view.scene);
     const FacingRule rule(frame, light, position);
     int shaded = 0;
@@ -131,9 +131,9 @@ TEST_P(LightViewsOfKind, RandomScenesAreCovered) {
         settings.map_size = 64 << seed % 5;
         settings.border_texels = int(seed % 4);
         settings.position_count = seed % 5 == 4 ? 3 : 1;
-        const auto positions = make_light_positions(frame, light, settings);
+        const auto positions = make_light_samples(frame, light, settings);
         ASSERT_EQ(positions.size(), std::size_t(settings.position_count));
-        for (const LightPosition& position : positions)
+        for (const LightSample& position : positions)
             for (const LightView& map : position.views) {
                 EXPECT_EQ(map.size_texels, settings.map_size + 2 * settings.border_texels);
                 EXPECT_LT(map.near_ls, map.far_ls);
@@ -150,14 +150,14 @@ TEST_P(LightViewsOfKind, MovedAndScaledScenesGiveTheSameTexels) {
     const SceneView view = testing::box_scene(kWidth, kHeight);
     const glm::dvec3 place(2.3, -1.7, 4.4), target(0.2, 0.1, 0.3);
     const Light light = light_of(GetParam(), place, target);
-    const auto plain = make_light_positions(frame_of(view), light, {});
+    const auto plain = make_light_samples(frame_of(view), light, {});
     ASSERT_FALSE(plain[0].views.empty());
     for (const auto& [scale, offset] :
          {std::pair(1e-4, glm::dvec3(0)), std::pair(1e6, glm::dvec3(0)), std::pair(1.0, glm::dvec3(1e6, -1e6, 1e6)),
           std::pair(1.0, glm::dvec3(0, 0, 7))}) {
         const SceneView moved = transform_view(view, scale, offset);
         const Light moved_light = light_of(GetParam(), place * scale + offset, target * scale + offset);
-        const auto other = make_light_positions(frame_of(moved), moved_light, {});
+        const auto other = make_light_samples(frame_of(moved), moved_light, {});
         ASSERT_EQ(other[0].views.size(), plain[0].views.size());
         for (std::size_t i = 0; i < plain[0].views.size(); ++i) {
             EXPECT_EQ(other[0].views[i].casters, plain[0].views[i].casters);
@@ -178,8 +178,8 @@ TEST_P(LightViewsOfKind, ThreadsDoNotChangeTheResult) {
     const Frame frame = frame_of(view);
     const Light light = light_of(GetParam(), {2, 1, 4}, {0, 0, 0});
     ThreadPool threads(3);
-    const auto one = make_light_positions(frame, light, {}),
-               many = make_light_positions(frame, light, {}, nullptr, &threads);
+    const auto one = make_light_samples(frame, light, {}),
+               many = make_light_samples(frame, light, {}, nullptr, &threads);
     ASSERT_EQ(one[0].views.size(), many[0].views.size());
     for (std::size_t i = 0; i < one[0].views.size(); ++i) EXPECT_EQ(one[0].views[i].key, many[0].views[i].key);
 }
@@ -188,7 +188,7 @@ TEST_P(LightViewsOfKind, JitteredSamplesShareTheirViews) {
     const SceneView view = testing::random_scene(2, kWidth, kHeight);
     const Light light = light_of(GetParam(), {2, 1, 4}, {0, 0, 0});
     const RayOracle oracle(view.scene);
-    std::vector<LightPosition> previous;
+    std::vector<LightSample> previous;
     std::set<ContentKey> keys;
     std::size_t view_count = 0;
     for (int sample = 0; sample < 16; ++sample) {
@@ -197,7 +197,7 @@ TEST_P(LightViewsOfKind, JitteredSamplesShareTheirViews) {
         const double dy = (camera.window.top - camera.window.bottom) / kHeight * (0.23 * (sample % 4) - 0.4);
         camera.window.left += dx, camera.window.right += dx, camera.window.bottom += dy, camera.window.top += dy;
         const Frame frame = oracle.make_frame(camera, kWidth, kHeight);
-        previous = make_light_positions(frame, light, {}, sample ? &previous : nullptr);
+        previous = make_light_samples(frame, light, {}, sample ? &previous : nullptr);
         expect_receivers_covered(frame, light, previous);
         for (const LightView& map : previous[0].views) keys.insert(map.key);
         view_count = std::max(view_count, previous[0].views.size());
@@ -245,7 +245,7 @@ TEST_P(LightViewsOfKind, BlockerSetChoosesCasters) {
     view.scene->instances[0].receiver_group = 7;
     view.scene->instances[1].receiver_group = 7;
     light.receiver_set = ~(std::uint64_t{1} << 7);
-    EXPECT_TRUE(make_light_positions(frame_of(view), light, {})[0].views.empty());
+    EXPECT_TRUE(make_light_samples(frame_of(view), light, {})[0].views.empty());
 }
 
 TEST_P(LightViewsOfKind, OddSizesAndPlacesWork) {
@@ -264,7 +264,7 @@ TEST_P(LightViewsOfKind, OddSizesAndPlacesWork) {
             settings.map_size = map_size;
             settings.border_texels = map_size % 3;
             const Light light = light_of(GetParam(), place, place + glm::dvec3(0.3, 0.2, -1));
-            for (const LightPosition& position : make_light_positions(frame, light, settings))
+            for (const LightSample& position : make_light_samples(frame, light, settings))
                 for (const LightView& map : position.views) {
                     for (int i = 0; i < 4; ++i)
                         for (int j = 0; j < 4; ++j) ASSERT_TRUE(std::isfinite(map.lc_from_ws[i][j]));
@@ -279,14 +279,14 @@ TEST(LightViews, NothingSeenGivesNoViews) {
     SceneView view = testing::box_scene(kWidth, kHeight);
     view.camera.world_from_camera = testing::look_at({0, 0, 50}, {0, 0, 100});
     for (const LightKind kind : {LightKind::Sun, LightKind::Spot, LightKind::Point, LightKind::Area}) {
-        const auto positions = make_light_positions(frame_of(view), light_of(kind, {1, 1, 5}, {0, 0, 0}), {});
+        const auto positions = make_light_samples(frame_of(view), light_of(kind, {1, 1, 5}, {0, 0, 0}), {});
         ASSERT_EQ(positions.size(), 1u);
         EXPECT_TRUE(positions[0].views.empty());
     }
     SceneView empty;
     empty.width = kWidth, empty.height = kHeight;
     EXPECT_TRUE(
-        make_light_positions(frame_of(empty), light_of(LightKind::Sun, {1, 1, 5}, {0, 0, 0}), {})[0].views.empty());
+        make_light_samples(frame_of(empty), light_of(LightKind::Sun, {1, 1, 5}, {0, 0, 0}), {})[0].views.empty());
 }
 
 TEST(LightViews, DepthIsOneAtTheNearPlaneAndZeroAtTheFarPlane) {
@@ -344,7 +344,7 @@ TEST(LightViews, PointLightSweepsAcrossAllTwelveCubeEdges) {
     for (const glm::dvec3 place : {glm::dvec3(0), glm::dvec3(0.5, -0.25, 0.125)}) {
         const Frame frame = surround(place, directions, room.scene);
         const Light light = light_of(LightKind::Point, place, place + glm::dvec3(0.3, 0.4, -1));
-        const auto positions = make_light_positions(frame, light, {});
+        const auto positions = make_light_samples(frame, light, {});
         ASSERT_EQ(positions[0].views.size(), 6u);
         EXPECT_EQ(expect_receivers_covered(frame, light, positions), int(directions.size()));
         // A shader in float may choose either neighbour within rounding: both must hold the receiver.
@@ -366,14 +366,14 @@ TEST(LightViews, OnlyFacesWithReceiversAreMade) {
     const SceneView view = testing::box_scene(kWidth, kHeight);
     const Frame frame = frame_of(view);
     // High above everything, only the lower face sees receivers.
-    const auto high = make_light_positions(frame, light_of(LightKind::Point, {0, 0, 60}, {0, 0, 0}), {});
+    const auto high = make_light_samples(frame, light_of(LightKind::Point, {0, 0, 60}, {0, 0, 0}), {});
     ASSERT_EQ(high[0].views.size(), 1u);
     EXPECT_EQ(high[0].views[0].face, 5);
     // An area light that looks up lights nothing of a floor below.
-    EXPECT_TRUE(make_light_positions(frame, light_of(LightKind::Area, {0, 0, 6}, {0, 0.1, 9}), {})[0].views.empty());
+    EXPECT_TRUE(make_light_samples(frame, light_of(LightKind::Area, {0, 0, 6}, {0, 0.1, 9}), {})[0].views.empty());
     // A narrow spot has one view, a wide one cube faces, all in front.
-    EXPECT_FALSE(make_light_positions(frame, light_of(LightKind::Spot, {0, 0, 3}, {0, 0, 0}, 119), {})[0].cube);
-    EXPECT_TRUE(make_light_positions(frame, light_of(LightKind::Spot, {0, 0, 3}, {0, 0, 0}, 121), {})[0].cube);
+    EXPECT_FALSE(make_light_samples(frame, light_of(LightKind::Spot, {0, 0, 3}, {0, 0, 0}, 119), {})[0].cube);
+    EXPECT_TRUE(make_light_samples(frame, light_of(LightKind::Spot, {0, 0, 3}, {0, 0, 0}, 121), {})[0].cube);
 }
 
 TEST(LightViews, FitIsTight) {
@@ -381,7 +381,7 @@ TEST(LightViews, FitIsTight) {
     const Frame frame = frame_of(view);
     for (const LightKind kind : {LightKind::Sun, LightKind::Spot, LightKind::Point}) {
         const Light light = light_of(kind, {2.3, -1.7, 6.4}, {0.2, 0.1, 0.3});
-        const auto positions = make_light_positions(frame, light, {});
+        const auto positions = make_light_samples(frame, light, {});
         const FacingRule rule(frame, light, positions[0]);
         for (const LightView& map : positions[0].views) {
             glm::dvec2 low(1e9), high(-1e9);
@@ -403,12 +403,12 @@ TEST(LightViews, TexelsRestWhileTheCameraMoves) {
     for (const LightKind kind : {LightKind::Sun, LightKind::Spot, LightKind::Point}) {
         const Light light = light_of(kind, {2.3, -1.7, 6.4}, {0.2, 0.1, 0.3});
         int same_size = 0;
-        std::vector<LightPosition> before;
+        std::vector<LightSample> before;
         for (int step = 0; step < 40; ++step) {
             SceneView view = testing::box_scene(kWidth, kHeight);
             view.camera =
                 testing::make_camera({3.2 + 0.004 * step, -4.1, 3.4}, {0.3 + 0.004 * step, 0.3, 0.3}, kWidth, kHeight);
-            const auto now = make_light_positions(frame_of(view), light, {});
+            const auto now = make_light_samples(frame_of(view), light, {});
             for (std::size_t i = 0; i < now[0].views.size() && step > 0; ++i) {
                 if (i >= before[0].views.size() || before[0].views[i].face != now[0].views[i].face) continue;
                 const LightView &a = before[0].views[i], &b = now[0].views[i];
@@ -429,10 +429,10 @@ TEST(LightViews, FarSpotEndsAsASun) {
     const SceneView view = testing::box_scene(kWidth, kHeight);
     const Frame frame = frame_of(view);
     const glm::dvec3 towards = glm::normalize(glm::dvec3(0.5, -0.3, 1.2));
-    const auto sun = make_light_positions(frame, light_of(LightKind::Sun, towards, {0, 0, 0}), {});
+    const auto sun = make_light_samples(frame, light_of(LightKind::Sun, towards, {0, 0, 0}), {});
     const LightView& sun_view = sun[0].views.at(0);
     for (const double distance : {1e5, 1e6, 1e7, 1e9}) {
-        const auto spot = make_light_positions(
+        const auto spot = make_light_samples(
             frame, light_of(LightKind::Spot, towards * distance, {0, 0, 0}, glm::degrees(40 / distance)), {});
         const LightView& spot_view = spot[0].views.at(0);
         EXPECT_EQ(spot_view.casters, sun_view.casters);
@@ -455,7 +455,7 @@ TEST(LightViews, FlatScenesGetAMapWithAnArea) {
     // From straight above the floor has no depth; at a low sun it has almost no height on the map.
     for (const glm::dvec3 towards : {glm::dvec3(0, 0, 1), glm::dvec3(1, 0, 1e-6), glm::dvec3(0.3, 0.2, 0.4)}) {
         const Light light = light_of(LightKind::Sun, towards, {0, 0, 0});
-        const auto positions = make_light_positions(frame, light, {});
+        const auto positions = make_light_samples(frame, light, {});
         ASSERT_EQ(positions[0].views.size(), 1u);
         EXPECT_GT(expect_receivers_covered(frame, light, positions), 1000);
     }

@@ -56,7 +56,7 @@ struct PixelView {
     }
 
     std::shared_ptr<Scene> scene;
-    LightPosition position;
+    LightSample position;
     truth::RayOracle oracle;
     truth::TriangleTree tree;
     Frame frame;

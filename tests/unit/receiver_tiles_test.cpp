@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: 2026 Shadow Layers contributors
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Receivers in tiles: each lit one once, where its light view sees it; and both builds against the rule in double.
-#include "stages/receiver_tiles.h"
+#include "visibility/receiver_tiles.h"
 
 #include <gtest/gtest.h>
 
@@ -26,10 +26,10 @@ struct Setting {
     SceneView view = make_soup_scene(3, 150, 97);
     Frame frame = RayOracle(view.scene).make_frame(view.camera, view.width, view.height);
     Light light;
-    LightPosition position;
+    LightSample position;
 
     explicit Setting(LightKind kind) : light(make_light(kind, {1.5, 1.0, 5.0}, {0, 0, 0.5}, 50)) {
-        position = make_light_positions(frame, light, {256, 0, 1}).front();
+        position = make_light_samples(frame, light, {256, 0, 1}).front();
     }
 };
 
@@ -97,7 +97,7 @@ TEST(ReceiverTiles, BuildsFindTheFacingOfTheRuleBitByBit) {
     for (const LightKind kind : kKinds) {
         const Setting s(kind);
         const FacingRule rule(s.frame, s.light, s.position);
-        for (const tile_kernel::Build* build : {&tile_kernel::kBaseBuild, &tile_kernel::choose_build()}) {
+        for (const tile_kernel::Build* build : {&tile_kernel::kBuildBase, &tile_kernel::choose_build()}) {
             for (std::size_t first = 0; first + ReceiverLanes::kCount <= s.frame.pixel_count();
                  first += ReceiverLanes::kCount) {
                 ReceiverLanes lanes{};

@@ -50,7 +50,7 @@ TEST(ShadowRays, AreTheShadowsOfTheScene) {
         std::size_t lit = 0;
         for (std::size_t k = 0; k < 2; ++k) {
             const Light& light = view.scene->lights[k];
-            const LightPosition position = sample_light_shape(light, 1).front();
+            const LightSample position = sample_light_shape(light, 1).front();
             const auto truth = oracle.compute_visibility(frame, light, position);
             const FacingRule rule(frame, light, position);
             std::size_t different = 0, shadowed = 0;

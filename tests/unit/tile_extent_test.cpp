@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: 2026 Shadow Layers contributors
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Casters are passed over by the tiles that they may touch and by their greatest depth: never one that shadows.
-#include "stages/tile_extent.h"
+#include "visibility/tile_extent.h"
 
 #include <gtest/gtest.h>
 

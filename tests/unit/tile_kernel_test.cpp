@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: 2026 Shadow Layers contributors
 // SPDX-License-Identifier: GPL-3.0-or-later
 // All builds of the inner loop against one another and against a loop without SIMD.
-#include "stages/tile_kernel.h"
+#include "visibility/tile_kernel.h"
 
 #include <gtest/gtest.h>
 
@@ -66,8 +66,8 @@ CasterTriangle make_triangle(std::uint32_t instance, std::uint32_t number) {
 }
 
 std::vector<const Build*> all_builds() {
-    std::vector<const Build*> builds = {&kBaseBuild};
-    if (&choose_build() != &kBaseBuild) builds.push_back(&choose_build());
+    std::vector<const Build*> builds = {&kBuildBase};
+    if (&choose_build() != &kBuildBase) builds.push_back(&choose_build());
     return builds;
 }
 

@@ -34,7 +34,7 @@ struct TechniqueNeeds {
     int map_size = 0;           ///< texels per side of each view's map, without border; 0: no views are made
     int map_border_texels = 0;  ///< extra texels on each side of each view, for kernels that reach over its rim
     int overscan_px = 0;        ///< extra frame pixels on each side of the region (camera-space stages)
-    int light_positions = 1;    ///< positions sampled on the light's shape; 1 = its centre
+    int light_samples = 1;      ///< positions sampled on the light's shape; 1 = its centre
     LightPattern light_pattern = LightPattern::Sequence;
 };
 

@@ -6,16 +6,16 @@
 // raster shadows, I3D 2015 (lists of receivers by texel, a node per pixel). `samples` above 1 is the supersampled
 // baseline that sub-pixel methods are compared with. Differences: a rectangle of texels stands for a conservatively
 // drawn triangle, edge functions without division by w need no clipping, and pairs nearer than the bound of float's
-// error are settled in double (stages/occlusion_rule.h), so there is no bias. Fails: nothing known, but for time: lists
-// are long where many receivers share a texel, and long thin casters have large rectangles.
+// error are settled in double (visibility/occlusion_rule.h), so there is no bias. Fails: nothing known, but for time:
+// lists are long where many receivers share a texel, and long thin casters have large rectangles.
 #include "techniques/afsm/afsm.h"
 
 #include "lights/sample_pattern.h"
-#include "stages/occlusion_rule.h"
-#include "stages/receiver_tiles.h"
 #include "techniques/afsm/receiver_lists.h"
 #include "techniques/common_parameters.h"
 #include "techniques/parameter_builder.h"
+#include "visibility/occlusion_rule.h"
+#include "visibility/receiver_tiles.h"
 
 namespace shadow_layers {
 namespace {
@@ -51,13 +51,13 @@ private:
         const auto frame = task.frames.at_offset(offset.x, offset.y);
         const TechniqueNeeds needs = map_needs(task.parameters);
         const auto positions =
-            make_light_positions(*frame, task.light, {needs.map_size, needs.map_border_texels, 1, needs.light_pattern},
-                                 &task.positions, &engine.threads(), &engine.cancel_token());
+            make_light_samples(*frame, task.light, {needs.map_size, needs.map_border_texels, 1, needs.light_pattern},
+                               &task.positions, &engine.threads(), &engine.cancel_token());
         return compute_visibility(engine, *frame, task.light, positions.front());
     }
 
     std::vector<std::uint8_t> compute_visibility(Engine& engine, const Frame& frame, const Light& light,
-                                                 const LightPosition& position) {
+                                                 const LightSample& position) {
         {
             const auto timer = engine.time_stage("receiver_tiles");
             sorter_.sort(frame, light, position, kMostTiles, engine.threads());

@@ -7,8 +7,8 @@
 #include "base/thread_pool.h"
 #include "frame/frame.h"
 #include "receiver_list.h"
-#include "stages/receiver_tiles.h"
-#include "stages/tile_kernel.h"
+#include "visibility/receiver_tiles.h"
+#include "visibility/tile_kernel.h"
 
 namespace shadow_layers {
 

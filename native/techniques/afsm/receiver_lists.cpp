@@ -7,8 +7,8 @@
 #include <utility>
 
 #include "scene/mesh_clusters.h"
-#include "stages/caster_clusters.h"
 #include "techniques/afsm/list_values.h"
+#include "visibility/caster_clusters.h"
 
 namespace shadow_layers {
 namespace {

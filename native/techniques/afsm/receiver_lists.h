@@ -9,9 +9,9 @@
 
 #include "engine/engine.h"
 #include "receiver_list.h"
-#include "stages/caster_forms.h"
-#include "stages/occlusion_rule.h"
-#include "stages/receiver_tiles.h"
+#include "visibility/caster_forms.h"
+#include "visibility/occlusion_rule.h"
+#include "visibility/receiver_tiles.h"
 
 namespace shadow_layers {
 

@@ -44,7 +44,7 @@ public:
     }
 
     void render(Engine& engine, const LightTask& task, LayerOutputs& outputs) override {
-        const LightPosition& position = task.positions.front();
+        const LightSample& position = task.positions.front();
         const Scene& scene = *task.frame.scene;
         const EdgeDistanceOptions options = edsm_edge_options(task.parameters);
         const double slope = is_thesis(task.parameters) ? kThesisSlopeFactor : kReceiverPlaneSlopeFactor;

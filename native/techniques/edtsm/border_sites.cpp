@@ -35,8 +35,7 @@ bool has_size(const Light& light) {
     return light.radius > 0;
 }
 
-PenumbraParams make_penumbra_params(const PenumbraSettings& settings, const Light& light,
-                                    const LightPosition& position) {
+PenumbraParams make_penumbra_params(const PenumbraSettings& settings, const Light& light, const LightSample& position) {
     PenumbraParams params{};
     params.width = glm::vec4(float(settings.width), float(settings.width_px), float(settings.filter), 0.0f);
     if (light.kind == LightKind::Area) {
@@ -57,7 +56,7 @@ PenumbraParams make_penumbra_params(const PenumbraSettings& settings, const Ligh
 }
 
 void PenumbraBlocks::bind(Engine& engine, const LightTask& task, const PenumbraSettings& settings) {
-    const LightPosition& position = task.positions.front();
+    const LightSample& position = task.positions.front();
     write_block(engine, light_buf_, make_light_params(task.frame, task.light, position), kLightParamsSlot,
                 "light params");
     write_block(engine, camera_buf_, make_pixel_camera(task.frame), kPixelCameraSlot, "pixel camera");

@@ -4,12 +4,12 @@
 // asked by receivers, but receivers are kept per tile, and every triangle is tested against those that it may shadow,
 // in float with a bound of its error; what float can't decide is settled in double. Based on: T. Aila, S. Laine,
 // Alias-free shadow maps, EGSR 2004 (receivers sorted by the light's view); the rest is this project's. Differences: on
-// the CPU, with tiles instead of a hierarchy; no bias (stages/occlusion_rule.h). Fails: nothing known, but for time:
-// casters seen edge-on and long thin ones touch many tiles.
+// the CPU, with tiles instead of a hierarchy; no bias (visibility/occlusion_rule.h). Fails: nothing known, but for
+// time: casters seen edge-on and long thin ones touch many tiles.
 #include "techniques/exact/exact.h"
 
-#include "stages/exact_visibility.h"
 #include "techniques/common_parameters.h"
+#include "visibility/exact_visibility.h"
 
 namespace shadow_layers {
 namespace {

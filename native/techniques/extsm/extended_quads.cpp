@@ -128,7 +128,7 @@ bool make_quad(const LightView& view, glm::dvec4 start_lc, glm::dvec4 end_lc, gl
     return true;
 }
 
-ExtendedQuadFinder::Result ExtendedQuadFinder::find(Engine& engine, const Scene& scene, const LightPosition& position) {
+ExtendedQuadFinder::Result ExtendedQuadFinder::find(Engine& engine, const Scene& scene, const LightSample& position) {
     const auto timer = engine.time_stage("silhouettes");
     adjacency_.begin_render(engine.render_number(), kKeptRenders);
     std::set<std::uint32_t> casters;

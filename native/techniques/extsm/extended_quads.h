@@ -47,7 +47,7 @@ public:
         std::int64_t silhouette_edges = 0;               ///< found, before any view cuts them
         std::int64_t bevelled_edges = 0;                 ///< of facets at less than 90 degrees
     };
-    Result find(Engine& engine, const Scene& scene, const LightPosition& position);
+    Result find(Engine& engine, const Scene& scene, const LightSample& position);
 
 private:
     AdjacencyCache adjacency_;

@@ -69,8 +69,7 @@ void draw_layers(Engine& engine, const gl::Program& program, const DepthMap& dep
 }  // namespace
 
 std::shared_ptr<const ExtendedShadowMap> ExtendedMapMaker::make(Engine& engine, const Scene& scene,
-                                                                const LightPosition& position,
-                                                                const DepthMap& depth_map,
+                                                                const LightSample& position, const DepthMap& depth_map,
                                                                 const ExtendedMapOptions& options) {
     KeyBuilder builder("extended_map");
     builder.add(depth_map.key).add(options.farthest_edge).add(options.forced);

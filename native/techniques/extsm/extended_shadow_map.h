@@ -31,7 +31,7 @@ struct ExtendedMapOptions {
 /// "silhouette_edges", "bevelled_edges", "edge_quads", "map_bytes".
 class ExtendedMapMaker {
 public:
-    std::shared_ptr<const ExtendedShadowMap> make(Engine& engine, const Scene& scene, const LightPosition& position,
+    std::shared_ptr<const ExtendedShadowMap> make(Engine& engine, const Scene& scene, const LightSample& position,
                                                   const DepthMap& depth_map, const ExtendedMapOptions& options);
 
 private:

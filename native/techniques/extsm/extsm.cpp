@@ -48,7 +48,7 @@ public:
     }
 
     void render(Engine& engine, const LightTask& task, LayerOutputs& outputs) override {
-        const LightPosition& position = task.positions.front();
+        const LightSample& position = task.positions.front();
         const Scene& scene = *task.frame.scene;
         const ExtendedMapOptions options = map_options(task.parameters);
         const auto depth_map =

@@ -11,7 +11,7 @@
 namespace shadow_layers {
 namespace {
 
-// As in stages/occlusion_rule.h: a position that the frame holds elsewhere than on the plane.
+// As in visibility/occlusion_rule.h: a position that the frame holds elsewhere than on the plane.
 constexpr double kPlaceTolerance = 1e-5;
 // Texels by which a footprint is widened, far more than double rounds.
 constexpr double kRectMargin = 1e-6;

@@ -89,7 +89,7 @@ void FacetContacts::cut_beyond_line(const facet_kernel::LightFacet& facet, const
     if (least > greatest || least > touch || greatest <= touch) return;
     const double side = c.at[3] >= 0 ? 1 : -1;
     std::uint32_t kept[kWords] = {~0u, ~0u, ~0u, ~0u};
-    mask_half_plane_(samples_, {side * c.at[3], side * c.by_x[3], side * c.by_y[3]}, 0, kept);
+    build_.mask_half_plane(samples_, {side * c.at[3], side * c.by_x[3], side * c.by_y[3]}, 0, kept);
     for (int word = 0; word < kWords; ++word) pair.cut[word] |= ~kept[word];
 }
 
@@ -119,7 +119,7 @@ void FacetContacts::cut_hidden(const SilhouetteFacet& owner, const NearCaster& c
         if (form.at_origin + reach(form) < 0) return;
     std::uint32_t hidden[kWords] = {~0u, ~0u, ~0u, ~0u};
     for (const auto& form : forms)
-        if (form.at_origin < reach(form)) mask_half_plane_(samples_, form, 0, hidden);
+        if (form.at_origin < reach(form)) build_.mask_half_plane(samples_, form, 0, hidden);
     for (int word = 0; word < kWords; ++word) pair.cut[word] |= hidden[word];
 }
 

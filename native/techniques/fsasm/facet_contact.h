@@ -4,8 +4,8 @@
 
 #include <array>
 
-#include "stages/occlusion_rule.h"
 #include "techniques/fsasm/facet_pairs.h"
+#include "visibility/occlusion_rule.h"
 
 namespace shadow_layers {
 
@@ -56,7 +56,7 @@ private:
     const facet_kernel::Samples& samples_;
     Validity validity_;
     RayBasis rays_;
-    const facet_kernel::MaskHalfPlane mask_half_plane_ = facet_kernel::choose_mask_half_plane();
+    const facet_kernel::Build& build_ = facet_kernel::choose_build();
 };
 
 }  // namespace shadow_layers

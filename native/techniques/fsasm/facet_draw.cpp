@@ -5,8 +5,8 @@
 #include <algorithm>
 #include <atomic>
 
-#include "stages/caster_clusters.h"
-#include "stages/caster_forms.h"
+#include "visibility/caster_clusters.h"
+#include "visibility/caster_forms.h"
 
 namespace shadow_layers {
 namespace {
@@ -70,7 +70,8 @@ private:
                                               pairs_.facets.data()};
         Band state{*this, {}};
         facet_kernel::Answers answers{&PairDraw::settle, &state, 0, 0, 0};
-        draw_triangles_(triangles_.data(), order.data(), order.size(), row_begin, row_end, texels, samples_, answers);
+        build_.draw_triangles(triangles_.data(), order.data(), order.size(), row_begin, row_end, texels, samples_,
+                              answers);
         texel_pairs_ += answers.texel_pairs;
         evaluations_ += answers.evaluations;
         contact_count_ += answers.contacts;
@@ -95,7 +96,7 @@ private:
     const Scene& scene_;
     const CasterRow casters_;
     std::vector<CasterTriangle> triangles_;
-    const facet_kernel::DrawTriangles draw_triangles_ = facet_kernel::choose_draw_triangles();
+    const facet_kernel::Build& build_ = facet_kernel::choose_build();
     std::atomic<std::uint64_t> texel_pairs_{0}, evaluations_{0}, contact_count_{0};
 };
 

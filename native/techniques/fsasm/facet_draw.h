@@ -5,9 +5,9 @@
 #include <span>
 
 #include "engine/engine.h"
-#include "stages/occlusion_rule.h"
 #include "techniques/fsasm/facet_contact.h"
 #include "techniques/fsasm/facet_pairs.h"
+#include "visibility/occlusion_rule.h"
 
 namespace shadow_layers {
 

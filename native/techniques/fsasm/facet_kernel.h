@@ -1,12 +1,13 @@
 // SPDX-FileCopyrightText: 2026 Shadow Layers contributors
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
-// The inner loop of sub-pixel visibility, built once per instruction set. Plain data only, as in stages/tile_kernel.h.
+// The inner loop of sub-pixel visibility, built once per instruction set. Plain data only, as in
+// visibility/tile_kernel.h.
 
 #include <cstddef>
 #include <cstdint>
 
-#include "stages/tile_kernel.h"
+#include "visibility/tile_kernel.h"
 
 namespace shadow_layers::facet_kernel {
 
@@ -72,27 +73,21 @@ struct Answers {
     std::uint64_t contacts;     ///< settled
 };
 
-/// Removes from `mask` the samples where the form, of the place in the square, is negative. Places nearer to 0 than
-/// `error` are looked at in double.
-using MaskHalfPlane = void (*)(const Samples& samples, const LinearForm& form, double error,
-                               std::uint32_t (&mask)[kWords]);
+/// What is built for an instruction set.
+struct Build {
+    /// Removes from `mask` the samples where the form, of the place in the square, is negative. Places nearer to 0 than
+    /// `error` are looked at in double.
+    void (*mask_half_plane)(const Samples& samples, const LinearForm& form, double error,
+                            std::uint32_t (&mask)[kWords]);
+    /// Draws the triangles over rows [row_begin, row_end) of the texels. A pair belongs to one caller.
+    void (*draw_triangles)(const CasterTriangle* triangles, const std::uint32_t* order, std::size_t count,
+                           int row_begin, int row_end, const PairTexels& texels, const Samples& samples,
+                           Answers& answers);
+};
 
-/// Draws the triangles over rows [row_begin, row_end) of the texels. A pair belongs to one caller.
-using DrawTriangles = void (*)(const CasterTriangle* triangles, const std::uint32_t* order, std::size_t count,
-                               int row_begin, int row_end, const PairTexels& texels, const Samples& samples,
-                               Answers& answers);
+extern const Build kBuildBase, kBuildAvx2;
 
-void draw_triangles_base(const CasterTriangle*, const std::uint32_t*, std::size_t, int, int, const PairTexels&,
-                         const Samples&, Answers&);
-void mask_half_plane_base(const Samples&, const LinearForm&, double, std::uint32_t (&)[kWords]);
-#if defined(__x86_64__)
-void draw_triangles_avx2(const CasterTriangle*, const std::uint32_t*, std::size_t, int, int, const PairTexels&,
-                         const Samples&, Answers&);
-void mask_half_plane_avx2(const Samples&, const LinearForm&, double, std::uint32_t (&)[kWords]);
-#endif
-
-/// The best that this processor runs.
-DrawTriangles choose_draw_triangles();
-MaskHalfPlane choose_mask_half_plane();
+/// Of the instruction set in use.
+inline const Build& choose_build() { return shadow_layers::choose_build(kBuildBase, kBuildAvx2); }
 
 }  // namespace shadow_layers::facet_kernel

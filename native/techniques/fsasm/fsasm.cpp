@@ -75,7 +75,7 @@ public:
 
     void render(Engine& engine, const LightTask& task, LayerOutputs& outputs) override {
         const Frame& frame = task.frame;
-        const LightPosition& position = task.positions.front();
+        const LightSample& position = task.positions.front();
         Image image{frame.width, frame.height, 1, interior_.render(engine, task).download<float>()};
         const std::vector<SilhouetteMask> masks = make_masks(engine, *frame.scene, position);
         std::vector<SilhouetteFacet> facets;
@@ -97,7 +97,7 @@ public:
     }
 
 private:
-    std::vector<SilhouetteMask> make_masks(Engine& engine, const Scene& scene, const LightPosition& position) {
+    std::vector<SilhouetteMask> make_masks(Engine& engine, const Scene& scene, const LightSample& position) {
         if (position.views.empty()) return {};
         const auto depth_map = render_depth_map(engine, scene, position);
         MapEdgeOptions options;

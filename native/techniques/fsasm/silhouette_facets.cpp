@@ -33,7 +33,7 @@ ClipSpace make_clip_space(const LightView& view, const glm::dvec3& origin_ws) {
 
 class FacetFinder {
 public:
-    FacetFinder(const Frame& frame, const Light& light, const LightPosition& position,
+    FacetFinder(const Frame& frame, const Light& light, const LightSample& position,
                 std::span<const SilhouetteMask> masks, std::span<const float> visibility, const SamplePlaces& places)
         : frame_(frame),
           position_(position),
@@ -180,7 +180,7 @@ private:
     }
 
     const Frame& frame_;
-    const LightPosition& position_;
+    const LightSample& position_;
     std::span<const SilhouetteMask> masks_;
     std::span<const float> visibility_;
     const SamplePlaces& places_;
@@ -195,8 +195,7 @@ private:
 
 }  // namespace
 
-std::vector<SilhouetteFacet> find_silhouette_facets(const Frame& frame, const Light& light,
-                                                    const LightPosition& position,
+std::vector<SilhouetteFacet> find_silhouette_facets(const Frame& frame, const Light& light, const LightSample& position,
                                                     std::span<const SilhouetteMask> masks,
                                                     std::span<const float> visibility, const SamplePlaces& places,
                                                     ThreadPool& threads) {

@@ -60,7 +60,7 @@ public:
     }
 
     void render(Engine& engine, const LightTask& task, LayerOutputs& outputs) override {
-        const std::vector<LightPosition>& positions = task.positions;
+        const std::vector<LightSample>& positions = task.positions;
         sums_.fit(engine, task.frame.width, task.frame.height, {GL_RG32F}, "weighted visibility");
         sums_.framebuffer().clear_color(0, 0, 0);
         engine.count("picture_bytes", std::int64_t(sums_.byte_size()));
@@ -68,18 +68,18 @@ public:
         const std::size_t count = positions.front().is_same_place(positions.back()) ? 1 : positions.size();
         for (std::size_t i = 0; i < count; ++i) {
             engine.check_cancelled();
-            const std::vector<LightPosition> one(1, positions[i]);
+            const std::vector<LightSample> one(1, positions[i]);
             const gl::Texture& visibility =
                 inner_.render(engine, {task.frame, task.frames, task.light, one, task.parameters});
             add_position(engine, task, positions[i], visibility);
             engine.limit_queue();  // or all positions' maps would be held until the last is drawn
         }
-        engine.count("light_positions", std::int64_t(count));
+        engine.count("light_samples", std::int64_t(count));
         outputs.set("visibility", divide_sums(engine, task.frame));
     }
 
 private:
-    void add_position(Engine& engine, const LightTask& task, const LightPosition& position,
+    void add_position(Engine& engine, const LightTask& task, const LightSample& position,
                       const gl::Texture& visibility) {
         const auto timer = engine.time_stage("multi_add");
         if (!params_buf_) params_buf_ = gl::Buffer(engine.device(), sizeof(LightParams), "light params");
@@ -150,7 +150,7 @@ TechniqueDescriptor describe_multi() {
     d.limits = "As many grey levels as positions; the time grows with them";
     d.needs = [](const ParameterValues& values) {
         TechniqueNeeds needs = find_inner_needs(values.get_enum("technique"), inner_values(values));
-        needs.light_positions = int(values.get_int("positions"));
+        needs.light_samples = int(values.get_int("positions"));
         needs.light_pattern = find_pattern(values.get_enum("pattern"));
         return needs;
     };

@@ -44,7 +44,7 @@ public:
     }
 
     void render(Engine& engine, const LightTask& task, LayerOutputs& outputs) override {
-        const LightPosition& position = task.positions.front();
+        const LightSample& position = task.positions.front();
         const double kernel = double(task.parameters.get_int("kernel"));
         const auto map = render_depth_map(engine, *task.frame.scene, position);
         const int reach = window_reach(task.parameters);

@@ -61,7 +61,7 @@ private:
     /// Adds the views of all positions, each position with the same weight.
     void merge_views(Engine& engine, const LightTask& task, const Frame& frame, SumPicture& sum) {
         sum.clear(engine, frame.width, frame.height);
-        for (const LightPosition& position : task.positions) {
+        for (const LightSample& position : task.positions) {
             const auto map = render_depth_map(engine, *frame.scene, position);
             const gl::Texture& one = resolve_.run(engine, {.frame = frame,
                                                            .light = task.light,
@@ -170,7 +170,7 @@ TechniqueDescriptor describe_probe() {
     d.needs = [](const ParameterValues& values) {
         TechniqueNeeds needs = map_needs(values);
         needs.overscan_px = std::max(1, int(values.get_int("blur")));  // the contrast looks one pixel far
-        needs.light_positions = int(values.get_int("positions"));
+        needs.light_samples = int(values.get_int("positions"));
         return needs;
     };
     return d;

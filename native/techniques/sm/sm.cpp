@@ -21,7 +21,7 @@ public:
     }
 
     void render(Engine& engine, const LightTask& task, LayerOutputs& outputs) override {
-        const LightPosition& position = task.positions.front();
+        const LightSample& position = task.positions.front();
         const auto map = render_depth_map(engine, *task.frame.scene, position);
         outputs.set("visibility", resolve_.run(engine, {.frame = task.frame,
                                                         .light = task.light,

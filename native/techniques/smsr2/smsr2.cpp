@@ -43,7 +43,7 @@ public:
     }
 
     void render(Engine& engine, const LightTask& task, LayerOutputs& outputs) override {
-        const LightPosition& position = task.positions.front();
+        const LightSample& position = task.positions.front();
         const auto map = render_depth_map(engine, *task.frame.scene, position);
         const gl::Texture& records =
             record_pass_.run(engine, {.frame = task.frame,

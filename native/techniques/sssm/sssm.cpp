@@ -22,7 +22,7 @@ public:
     }
 
     void render(Engine& engine, const LightTask& task, LayerOutputs& outputs) override {
-        const LightPosition& position = task.positions.front();
+        const LightSample& position = task.positions.front();
         const Scene& scene = *task.frame.scene;
         const auto depth_map = render_depth_map(engine, scene, position);
         const auto silhouette_map = render_silhouette_map(engine, finder_, scene, position, *depth_map);

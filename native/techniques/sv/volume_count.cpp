@@ -7,7 +7,7 @@
 
 #include "lights/facing.h"
 #include "lights/view_casters.h"
-#include "stages/occlusion_rule.h"
+#include "visibility/occlusion_rule.h"
 
 namespace shadow_layers {
 namespace {
@@ -22,7 +22,7 @@ constexpr double kDoubleError = 4e-15;
 }  // namespace
 
 VolumeCounter::VolumeCounter(Engine& engine, AdjacencyCache& adjacency, const Frame& frame, const Light& light,
-                             const LightPosition& position)
+                             const LightSample& position)
     : engine_(engine),
       cache_(adjacency),
       frame_(frame),

@@ -20,7 +20,7 @@ namespace shadow_layers {
 class VolumeCounter {
 public:
     VolumeCounter(Engine& engine, AdjacencyCache& adjacency, const Frame& frame, const Light& light,
-                  const LightPosition& position);
+                  const LightSample& position);
 
     /// 1 = the light reaches the receiver, by pixel; by lights/facing.h where no caster decides.
     /// Counts "receivers", "list_bytes", "silhouette_edges", "volume_quads" and "cap_triangles" (of those that the
@@ -45,7 +45,7 @@ private:
     AdjacencyCache& cache_;
     const Frame& frame_;
     const Light& light_;
-    const LightPosition& position_;
+    const LightSample& position_;
     PictureSpace picture_;
     std::map<std::uint32_t, MeshEdges> edges_;  ///< by mesh
     std::vector<float> visibility_;

@@ -17,7 +17,7 @@ double sum_abs(const glm::dvec3& v) { return std::abs(v.x) + std::abs(v.y) + std
 
 }  // namespace
 
-CasterVolumes::CasterVolumes(const Frame& frame, const LightPosition& position, const PictureSpace& picture,
+CasterVolumes::CasterVolumes(const Frame& frame, const LightSample& position, const PictureSpace& picture,
                              std::uint32_t instance, const MeshEdges& edges, ThreadPool& threads)
     : mesh_(*frame.scene->meshes[frame.scene->instances[instance].mesh]),
       adjacency_(*edges.adjacency),

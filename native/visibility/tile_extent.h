@@ -10,7 +10,7 @@
 #include <limits>
 #include <type_traits>
 
-#include "stages/tile_kernel.h"
+#include "visibility/tile_kernel.h"
 
 namespace shadow_layers {
 

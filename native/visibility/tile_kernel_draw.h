@@ -1,14 +1,14 @@
 // SPDX-FileCopyrightText: 2026 Shadow Layers contributors
 // SPDX-License-Identifier: GPL-3.0-or-later
-// No include guard needed: each tile_kernel_*.cpp includes this once, after receiver_kernel_body.h.
+#pragma once
+// A part of tile_kernel.cpp: triangles are drawn over tiles.
 //
 // All four conditions of a hit (three edges, depth) are divided by the bound of their own float error. Then one minimum
 // answers: above 1 the triangle shadows the receiver, below -1 it does not, and between the pair is left open.
 #include <sched.h>
 
-#include <xsimd/xsimd.hpp>
-
-#include "stages/tile_kernel.h"
+#include "visibility/tile_kernel.h"
+#include "visibility/tile_kernel_receivers.h"
 
 namespace shadow_layers::tile_kernel {
 namespace {

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 Shadow Layers contributors
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "stages/caster_forms.h"
+#include "visibility/caster_forms.h"
 
 #include <algorithm>
 #include <cmath>

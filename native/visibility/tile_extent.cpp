@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 Shadow Layers contributors
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "stages/tile_extent.h"
+#include "visibility/tile_extent.h"
 
 namespace shadow_layers {
 namespace {

@@ -24,7 +24,7 @@ inline constexpr double kFlatTolerance = 1e-6;
 class OcclusionRule {
 public:
     /// `frame` must outlive the rule.
-    OcclusionRule(const Frame& frame, const LightPosition& position);
+    OcclusionRule(const Frame& frame, const LightSample& position);
 
     /// Where the pixel centre's ray meets the plane of its triangle, relative to the frame's origin.
     glm::dvec3 find_receiver(std::size_t pixel) const;

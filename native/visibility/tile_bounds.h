@@ -6,7 +6,7 @@
 
 #include "base/thread_pool.h"
 #include "lights/light_views.h"
-#include "stages/receiver_tiles.h"
+#include "visibility/receiver_tiles.h"
 
 namespace shadow_layers {
 

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 Shadow Layers contributors
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "stages/tile_bounds.h"
+#include "visibility/tile_bounds.h"
 
 #include <algorithm>
 #include <cmath>

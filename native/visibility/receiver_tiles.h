@@ -7,7 +7,7 @@
 
 #include "frame/frame.h"
 #include "lights/light_views.h"
-#include "stages/tile_kernel.h"
+#include "visibility/tile_kernel.h"
 
 namespace shadow_layers {
 
@@ -32,10 +32,9 @@ public:
     /// Takes the receivers whose visibility the casters decide, each to the view that holds it; receivers that no view
     /// holds are left out. There are at most `most_tiles` tiles per side. Within a tile they lie in the order of
     /// pixels.
-    void sort(const Frame& frame, const Light& light, const LightPosition& position, int most_tiles,
-              ThreadPool& threads);
+    void sort(const Frame& frame, const Light& light, const LightSample& position, int most_tiles, ThreadPool& threads);
 
-    /// In the order of LightPosition::views.
+    /// In the order of LightSample::views.
     std::vector<ReceiverTiles>& views() { return views_; }
     /// Per pixel: 0 on faces turned away, else 1 until a caster says otherwise.
     std::vector<std::uint8_t>& visible() { return visible_; }

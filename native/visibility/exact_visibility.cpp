@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 Shadow Layers contributors
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "stages/exact_visibility.h"
+#include "visibility/exact_visibility.h"
 
 #include <algorithm>
 #include <array>
@@ -8,10 +8,10 @@
 #include <mutex>
 
 #include "scene/mesh_clusters.h"
-#include "stages/caster_clusters.h"
-#include "stages/caster_forms.h"
-#include "stages/occlusion_rule.h"
-#include "stages/tile_kernel.h"
+#include "visibility/caster_clusters.h"
+#include "visibility/caster_forms.h"
+#include "visibility/occlusion_rule.h"
+#include "visibility/tile_kernel.h"
 
 namespace shadow_layers {
 namespace {
@@ -123,7 +123,7 @@ private:
 }  // namespace
 
 const std::vector<std::uint8_t>& ExactVisibility::compute(Engine& engine, const Frame& frame, const Light& light,
-                                                          const LightPosition& position, int most_tiles) {
+                                                          const LightSample& position, int most_tiles) {
     {
         const auto timer = engine.time_stage("receiver_tiles");
         sorter_.sort(frame, light, position, most_tiles, engine.threads());

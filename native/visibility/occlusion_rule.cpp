@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 Shadow Layers contributors
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "stages/occlusion_rule.h"
+#include "visibility/occlusion_rule.h"
 
 #include <algorithm>
 #include <cmath>
@@ -37,7 +37,7 @@ bool is_neighbour_in_plane(const std::array<glm::dvec3, 3>& own, const std::arra
 
 }  // namespace
 
-OcclusionRule::OcclusionRule(const Frame& frame, const LightPosition& position)
+OcclusionRule::OcclusionRule(const Frame& frame, const LightSample& position)
     : frame_(frame),
       rays_(frame.camera, frame.width, frame.height),
       directional_(position.directional),

@@ -1,11 +1,10 @@
 // SPDX-FileCopyrightText: 2026 Shadow Layers contributors
 // SPDX-License-Identifier: GPL-3.0-or-later
-// No include guard needed: each tile_kernel_*.cpp includes this once, with `Arch` defined in an anonymous namespace.
-//
-// Receivers are classified and placed in double, by as many lanes as a register has.
-#include <xsimd/xsimd.hpp>
+#pragma once
+// A part of tile_kernel.cpp: receivers are classified and placed in double, by as many lanes as a register has.
 
-#include "stages/tile_kernel.h"
+#include "base/kernel_arch.h"
+#include "visibility/tile_kernel.h"
 
 namespace shadow_layers::tile_kernel {
 namespace {

@@ -1,12 +1,12 @@
 // SPDX-FileCopyrightText: 2026 Shadow Layers contributors
 // SPDX-License-Identifier: GPL-3.0-or-later
-// No include guard needed: each facet_kernel_*.cpp includes this once, with `Arch` defined in an anonymous namespace.
+#pragma once
+// A part of facet_kernel.cpp.
 //
 // A caster's edges and plane are half-planes of the light's clip space. Over a facet x, y, z and w are linear, so they
 // are half-planes of the pixel's square, too, without a division: what [Pan09] 3.4 does by projecting two points of
 // each line. Those that cut the square become masks of samples.
-#include <xsimd/xsimd.hpp>
-
+#include "base/kernel_arch.h"
 #include "techniques/fsasm/facet_kernel.h"
 
 namespace shadow_layers::facet_kernel {

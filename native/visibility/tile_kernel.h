@@ -7,6 +7,7 @@
 #include <cstddef>
 #include <cstdint>
 
+#include "base/instruction_set.h"
 #include "lights/facing_formulas.h"
 
 namespace shadow_layers::tile_kernel {
@@ -97,7 +98,7 @@ struct Answers {
 
 /// What is built for an instruction set.
 struct Build {
-    const char* name;
+    const char* name;  ///< of the instruction set
     /// `positions` and `normals`: x, y, z of ReceiverLanes::kCount pixels. Leaves in_cone where there is no cone.
     void (*find_facing)(const facing::Source& source, const float* positions, const float* normals,
                         ReceiverLanes& lanes);
@@ -107,12 +108,9 @@ struct Build {
                            const Tiles& tiles, Answers& answers);
 };
 
-extern const Build kBaseBuild;
-#if defined(__x86_64__)
-extern const Build kAvx2Build;
-#endif
+extern const Build kBuildBase, kBuildAvx2;
 
-/// The best that this processor runs.
-const Build& choose_build();
+/// Of the instruction set in use.
+inline const Build& choose_build() { return shadow_layers::choose_build(kBuildBase, kBuildAvx2); }
 
 }  // namespace shadow_layers::tile_kernel

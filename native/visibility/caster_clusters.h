@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "engine/engine.h"
-#include "stages/caster_forms.h"
+#include "visibility/caster_forms.h"
 
 namespace shadow_layers {
 

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 Shadow Layers contributors
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "stages/receiver_tiles.h"
+#include "visibility/receiver_tiles.h"
 
 #include <algorithm>
 #include <bit>
@@ -10,7 +10,7 @@
 
 #include "base/thread_pool.h"
 #include "lights/facing.h"
-#include "stages/tile_bounds.h"
+#include "visibility/tile_bounds.h"
 
 namespace shadow_layers {
 namespace {
@@ -52,7 +52,7 @@ void make_room(std::vector<T>& values, std::size_t count) {
 /// Works on all views of a position at once.
 class ReceiverSorter::Run {
 public:
-    Run(ReceiverSorter& sorter, const Frame& frame, const Light& light, const LightPosition& position, int most_tiles,
+    Run(ReceiverSorter& sorter, const Frame& frame, const Light& light, const LightSample& position, int most_tiles,
         ThreadPool& threads)
         : sorter_(sorter), frame_(frame), position_(position), rule_(frame, light, position), threads_(threads) {
         const glm::dmat4 ws_from_rel = glm::translate(glm::dmat4(1.0), frame.origin_ws);
@@ -224,7 +224,7 @@ private:
 
     ReceiverSorter& sorter_;
     const Frame& frame_;
-    const LightPosition& position_;
+    const LightSample& position_;
     const FacingRule rule_;
     ThreadPool& threads_;
     const tile_kernel::Build& build_ = tile_kernel::choose_build();
@@ -241,7 +241,7 @@ private:
     std::vector<Part> parts_;
 };
 
-void ReceiverSorter::sort(const Frame& frame, const Light& light, const LightPosition& position, int most_tiles,
+void ReceiverSorter::sort(const Frame& frame, const Light& light, const LightSample& position, int most_tiles,
                           ThreadPool& threads) {
     Run(*this, frame, light, position, most_tiles, threads).sort();
 }

@@ -9,8 +9,8 @@
 
 #include "lights/light_views.h"
 #include "shadow_layers/scene.h"
-#include "stages/tile_extent.h"
-#include "stages/tile_kernel.h"
+#include "visibility/tile_extent.h"
+#include "visibility/tile_kernel.h"
 
 namespace shadow_layers {
 

@@ -8,7 +8,7 @@
 #include "engine/engine.h"
 #include "frame/frame.h"
 #include "lights/light_views.h"
-#include "stages/receiver_tiles.h"
+#include "visibility/receiver_tiles.h"
 
 namespace shadow_layers {
 
@@ -23,7 +23,7 @@ public:
     /// answer.
     /// Counts "receivers", "list_bytes", "caster_triangles", "tile_tests", "open_pairs" (settled in double).
     const std::vector<std::uint8_t>& compute(Engine& engine, const Frame& frame, const Light& light,
-                                             const LightPosition& position, int most_tiles);
+                                             const LightSample& position, int most_tiles);
 
 private:
     ReceiverSorter sorter_;

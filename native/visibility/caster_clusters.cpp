@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 Shadow Layers contributors
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "stages/caster_clusters.h"
+#include "visibility/caster_clusters.h"
 
 #include <algorithm>
 #include <memory>
