@@ -9,7 +9,7 @@
 
 namespace shadow_layers {
 
-/// Draws a quad along each edge with the program in use, whose vertex shader is "stages/edge_distance_map.vert", in the
+/// Draws a quad along each edge with the program in use, whose vertex shader is "stages/edge_quads.vert", in the
 /// order of the list. Long lists are cut, with cancel checks between the draws.
 void draw_edge_quads(Engine& engine, const std::vector<MapEdge>& edges, const DrawState& state);
 

@@ -1,15 +1,16 @@
 // SPDX-FileCopyrightText: 2026 Shadow Layers contributors
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Depths of edges in half floats (shaders/lib/edge_depth_lib.glsl), down to near planes at a millionth of the far one.
+// Depths of edges in half floats (techniques/edsm/edge_depth_lib.glsl), down to near planes at a millionth of the far
+// one.
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cmath>
 #include <glm/gtc/matrix_transform.hpp>
 
-#include "stages/edge_distance_map.h"
 #include "support/glsl_lib_runner.h"
 #include "support/ray_comparison.h"
+#include "techniques/edsm/edge_distance_map.h"
 
 namespace shadow_layers::testing {
 namespace {
@@ -73,7 +74,7 @@ TEST(EDSMDepth, TheShaderFindsTheScaleInTheMatrix) {
         for (int column = 0; column < 4; ++column) items.push_back(lc_from_rel[column]);
     }
     GlslLibRunner runner;
-    const auto out = runner.run("lib/edge_depth_lib.glsl",
+    const auto out = runner.run("techniques/edsm/edge_depth_lib.glsl",
                                 "outputs[i] = vec4(edge_depth_scale(mat4(inputs[4*i], inputs[4*i+1], inputs[4*i+2],\n"
                                 "                                        inputs[4*i+3])));",
                                 items, int(views.size()), 1);
@@ -96,7 +97,7 @@ protected:
         std::vector<glm::vec4> items;
         for (const double w : distances)
             items.push_back({float(near * (1 - w) / ((1 - near) * w)), float(std::max(1 / near - 1, 1.0)), 0, 0});
-        const auto out = runner_.run("lib/edge_depth_lib.glsl",
+        const auto out = runner_.run("techniques/edsm/edge_depth_lib.glsl",
                                      "float depth = encode_edge_depth(inputs[i].x, inputs[i].y);\n"
                                      "outputs[i] = vec4(unpackHalf2x16(packHalf2x16(vec2(depth))).x);",
                                      items, int(items.size()), 1);

@@ -86,7 +86,7 @@ TEST(LightCut, IsThatOfManyPoints) {
         inputs.push_back(plane);
     }
     const auto outputs = runner.run(
-        "lib/light_cut_lib.glsl",
+        "techniques/edtsm/light_cut_lib.glsl",
         "vec4 a = inputs[i];\n"
         "outputs[i] = vec4(fraction_beside_plane(int(a.w), vec3(a.xy, 1.0), vec3(0.0, 0.0, a.z), vec3(1.0, 0.0, 0.0),"
         " vec3(0.0, 1.0, 0.0)));",
@@ -122,7 +122,7 @@ TEST(PixelFootprint, IsTheWayToTheNextRayOnThePlane) {
         const std::string camera = perspective
                                        ? "vec4(0.0, 0.6, -0.8, 1.0), vec4(0.0), vec4(0.0), inputs[2], inputs[3]"
                                        : "vec4(0.0, 0.6, -0.8, 0.0), inputs[2], inputs[3], vec4(0.0), vec4(0.0)";
-        const auto out = runner.run("lib/pixel_footprint_lib.glsl",
+        const auto out = runner.run("techniques/edtsm/pixel_footprint_lib.glsl",
                                     "Footprint f = compute_footprint(PixelCamera(" + camera +
                                         "), inputs[0].xyz, inputs[1].xyz);\n"
                                         "outputs[0] = vec4(f.dx, f.depth_vs); outputs[1] = vec4(f.dy, f.side);"

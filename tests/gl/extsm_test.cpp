@@ -8,8 +8,8 @@
 #include <cmath>
 #include <random>
 
-#include "extended_map.h"
 #include "support/ray_comparison.h"
+#include "techniques/extsm/extended_map.h"
 #include "techniques/extsm/extended_quads.h"
 
 namespace shadow_layers::testing {

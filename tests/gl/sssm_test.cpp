@@ -46,7 +46,7 @@ TEST(SilhouetteMapLib, StraightBordersAreExact) {
         lit_here.push_back(glm::dot(n, at) > c);
     }
     GlslLibRunner runner;
-    const auto out = runner.run("lib/silhouette_map_lib.glsl",
+    const auto out = runner.run("techniques/sssm/silhouette_map_lib.glsl",
                                 "outputs[i] = vec4(find_quadrant(inputs[6*i].xy, inputs[6*i+1].xy, inputs[6*i+2].xy,\n"
                                 "    inputs[6*i+3].xy, inputs[6*i+4].xy, inputs[6*i+5].xy));",
                                 items, int(lit_here.size()), 1);
@@ -59,7 +59,7 @@ TEST(SilhouetteMapLib, SegmentsAreCutToTheirCell) {
         {-1, 0.5f, 3, 0.5f}, {0.25f, 0.25f, 0.25f, 9}, {2, 0, 3, 5}, {0.2f, 0.2f, 0.7f, 0.9f}};
     GlslLibRunner runner;
     const auto out =
-        runner.run("lib/silhouette_map_lib.glsl",
+        runner.run("techniques/sssm/silhouette_map_lib.glsl",
                    "outputs[i] = vec4(cut_to_cell(inputs[i].xy, inputs[i].zw, vec2(0)), 0, 0);", items, 4, 1);
     EXPECT_NEAR(out[0].x, 0.25, 1e-6);
     EXPECT_NEAR(out[0].y, 0.5, 1e-6);

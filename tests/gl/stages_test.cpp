@@ -8,10 +8,10 @@
 #include <random>
 
 #include "stages/depth_map.h"
-#include "stages/edge_distance_map.h"
 #include "stages/resolve.h"
 #include "support/glsl_lib_runner.h"
 #include "support/technique_runner.h"
+#include "techniques/edsm/edge_distance_map.h"
 
 namespace shadow_layers::testing {
 namespace {

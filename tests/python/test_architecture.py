@@ -224,6 +224,55 @@ def test_shaders_of_a_technique_include_their_own_and_shared_ones(root):
             assert parts[1] in ids, f"{path} belongs to no technique"
 
 
+def find_owners(root):
+    """Of every file in a shared folder, the techniques that lead to it, by `#include` or by its path as text."""
+    files = [
+        path
+        for path in [*tracked(root, "shaders/*"), *native_files(root)]
+        if path.suffix in (".glsl", ".vert", ".frag", ".geom", ".comp", ".h", ".cpp")
+    ]
+    names = {}  # by every path that a file may be called by: whose text is read when it is used
+    for path in files:
+        inside = path.relative_to(root).parts[1:]
+        names.setdefault("/".join(inside), set()).add(path)
+        names.setdefault("/".join(inside[:-1]) + "/", set()).add(path)  # a folder that file names are put behind
+        if inside[0] == "shared":
+            names.setdefault("/".join(inside[1:]), set()).add(path)
+    uses = {}
+    for path in files:
+        if path.name == "registry.cpp":
+            continue
+        quoted = re.findall(r'"([\w./]+(?:\.(?:glsl|vert|frag|geom|comp|h)|/))"', path.read_text(encoding="utf-8"))
+        uses[path] = set().union(*(names.get(name, names.get(f"{path.parent.name}/{name}", set())) for name in quoted))
+        if path.suffix == ".h" and path.with_suffix(".cpp") in files:
+            uses[path].add(path.with_suffix(".cpp"))  # what a header declares is done there
+
+    owners = {path: set() for path in files if path.relative_to(root).parts[1] in ("lib", "shared", "stages")}
+    for technique in technique_ids(root):
+        todo = [path for path in files if path.relative_to(root).parts[1:3] == ("techniques", technique)]
+        met = set(todo)
+        while todo:
+            new = uses.get(todo.pop(), set()) - met
+            met |= new
+            todo += new
+        for path in met & set(owners):
+            owners[path].add(technique)
+    return {path.relative_to(root).as_posix(): found for path, found in owners.items() if path.suffix != ".cpp"}
+
+
+# Tools of their own right, with a page, a test and a benchmark: docs/distance-transform.md.
+GENERAL_STAGES = re.compile(r"(shaders|native)/\w+/(distance_transform\w*|nearest_site\w*)[./]")
+
+
+def test_what_one_technique_alone_uses_lies_in_its_folder(root):
+    owners = find_owners(root)
+    assert {"sm", "pcf", "edsm", "vsm"} <= owners["shaders/lib/projection_lib.glsl"]
+    assert "edsm" in owners["shaders/shared/edge_map.h"] and "sm" not in owners["shaders/shared/edge_map.h"]
+    assert owners["shaders/shared/nearest_site.h"] == {"edtsm"}
+    wrong = {path: found for path, found in owners.items() if len(found) == 1 and not GENERAL_STAGES.match(path)}
+    assert wrong == {}, "move them to techniques/<id>/"
+
+
 def test_techniques_are_named_in_no_other_list(root):
     """UI, command lines and tools come from the descriptors: no product file beside the technique's own names it."""
     allowed = {"DEFAULT_TECHNIQUES"}  # which of those that are there a new scene begins with

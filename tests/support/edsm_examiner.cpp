@@ -11,8 +11,8 @@
 
 #include "edge_map.h"
 #include "lights/facing.h"
-#include "stages/edge_distance_map.h"
 #include "support/edsm_segments.h"
+#include "techniques/edsm/edge_distance_map.h"
 #include "techniques/edsm/edsm.h"
 #include "visibility/occlusion_rule.h"
 

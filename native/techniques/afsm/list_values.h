@@ -6,7 +6,7 @@
 
 #include "base/thread_pool.h"
 #include "frame/frame.h"
-#include "receiver_list.h"
+#include "techniques/afsm/receiver_list.h"
 #include "visibility/receiver_tiles.h"
 #include "visibility/tile_kernel.h"
 

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "engine/engine.h"
-#include "receiver_list.h"
+#include "techniques/afsm/receiver_list.h"
 #include "visibility/caster_forms.h"
 #include "visibility/occlusion_rule.h"
 #include "visibility/receiver_tiles.h"

@@ -11,9 +11,9 @@
 
 #include <cmath>
 
-#include "stages/edge_distance_map.h"
 #include "stages/resolve.h"
 #include "techniques/common_parameters.h"
+#include "techniques/edsm/edge_distance_map.h"
 #include "techniques/parameter_builder.h"
 
 namespace shadow_layers {

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include "stages/edge_distance_map.h"
+#include "techniques/edsm/edge_distance_map.h"
 #include "techniques/technique.h"
 
 namespace shadow_layers {

@@ -8,13 +8,13 @@
 
 #include "gl/sampler.h"
 #include "lights/light_shape.h"
-#include "stages/pixel_camera_params.h"
 #include "stages/resolve.h"
+#include "techniques/edtsm/pixel_camera_params.h"
 
 namespace shadow_layers {
 namespace {
 
-constexpr float kDiscShape = 0, kSquareShape = 1;  // shaders/lib/light_cut_lib.glsl
+constexpr float kDiscShape = 0, kSquareShape = 1;  // shaders/techniques/edtsm/light_cut_lib.glsl
 constexpr double kWidestSun = 3.0;                 // radians; a half sky
 constexpr double kReadsPerSite = 45;               // of five receivers, and of the map round one of them
 

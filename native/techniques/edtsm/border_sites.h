@@ -4,7 +4,7 @@
 
 #include "engine/engine.h"
 #include "engine/picture_target.h"
-#include "penumbra_params.h"
+#include "techniques/edtsm/penumbra_params.h"
 #include "techniques/edtsm/picture_tiles.h"
 #include "techniques/technique.h"
 

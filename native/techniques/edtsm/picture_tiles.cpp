@@ -5,7 +5,7 @@
 #include <algorithm>
 
 #include "engine/banded_draw.h"
-#include "penumbra_params.h"
+#include "techniques/edtsm/penumbra_params.h"
 
 namespace shadow_layers {
 namespace {

@@ -6,10 +6,10 @@
 #include <vector>
 
 #include "engine/engine.h"
-#include "extended_map.h"
 #include "lights/light_views.h"
 #include "scene/adjacency.h"
 #include "scene/silhouettes.h"
+#include "techniques/extsm/extended_map.h"
 
 namespace shadow_layers {
 

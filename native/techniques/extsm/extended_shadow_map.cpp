@@ -81,8 +81,7 @@ std::shared_ptr<const ExtendedShadowMap> ExtendedMapMaker::make(Engine& engine, 
             {.silhouettes = {.skip_concave = true, .skip_two_sided = true}, .reach_texels = options.reach_texels()});
         made->silhouette_edges = found.silhouette_edges;
         for (const auto& edges : found.by_view) made->edge_quads += std::int64_t(edges.size());
-        const gl::Program& program =
-            engine.program("stages/edge_distance_map.vert", "techniques/extsm/extsm_edges.frag");
+        const gl::Program& program = engine.program("stages/edge_quads.vert", "techniques/extsm/extsm_edges.frag");
         draw_layers(engine, program, depth_map, options, *made, [&](int layer) {
             if (std::size_t(layer) < found.by_view.size())
                 draw_edge_quads(engine, found.by_view[std::size_t(layer)], blending_state());

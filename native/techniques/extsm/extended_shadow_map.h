@@ -10,7 +10,7 @@
 
 namespace shadow_layers {
 
-/// Beside the depth map, per texel and layer of a view: the edge's value (R8: see shaders/shared/extended_map.h) and
+/// Beside the depth map, per texel and layer of a view: the edge's value (R8: see extended_map.h) and
 /// its depth (R32F: depth_rz times `depth_sign`, below kNoEdgeBound where there is no edge).
 struct ExtendedShadowMap {
     std::shared_ptr<const gl::Texture> values, depths;

@@ -12,11 +12,11 @@
 
 #include <glm/gtc/matrix_transform.hpp>
 
-#include "discontinuity_map.h"
 #include "frame/camera_window.h"
 #include "stages/depth_map.h"
 #include "techniques/common_parameters.h"
 #include "techniques/revectorisation_parameters.h"
+#include "techniques/smsr2/discontinuity_map.h"
 
 namespace shadow_layers {
 namespace {

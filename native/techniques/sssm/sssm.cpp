@@ -9,8 +9,8 @@
 #include "techniques/sssm/sssm.h"
 
 #include "stages/resolve.h"
-#include "stages/silhouette_map.h"
 #include "techniques/common_parameters.h"
+#include "techniques/sssm/silhouette_map.h"
 
 namespace shadow_layers {
 namespace {

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Tests the receivers of a texel against one caster. Where a condition is nearer to zero than its error's bound (or is
 // not a number) the pair is left open.
-#include "shared/receiver_list.h"
+#include "techniques/afsm/receiver_list.h"
 
 layout(early_fragment_tests) in;
 layout(r32ui, binding = kListHeadUnit) readonly uniform uimage2D u_head_img;

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: 2026 Shadow Layers contributors
 // SPDX-License-Identifier: GPL-3.0-or-later
 // A caster's rectangle of texels: conservative, whatever the triangle's shape.
-#include "shared/receiver_list.h"
+#include "techniques/afsm/receiver_list.h"
 
 layout(std430, binding = kListCastersSlot) readonly buffer Casters { ListCaster casters[]; };
 

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: 2026 Shadow Layers contributors
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The depth that a caster must pass to be tested in a texel: its farthest receiver's; nothing passes an empty texel.
-#include "shared/receiver_list.h"
+#include "techniques/afsm/receiver_list.h"
 
 layout(r32ui, binding = kListHeadUnit) readonly uniform uimage2D u_head_img;
 layout(r32ui, binding = kListFarthestUnit) readonly uniform uimage2D u_farthest_img;

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: 2026 Shadow Layers contributors
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Puts receivers of a view into the lists of its texels, and keeps each texel's farthest depth.
-#include "shared/receiver_list.h"
+#include "techniques/afsm/receiver_list.h"
 
 layout(local_size_x = kInsertGroup) in;
 layout(r32ui, binding = kListHeadUnit) uniform uimage2D u_head_img;

@@ -4,7 +4,7 @@
 // Defines: SOFT (1: a kernel over the distance instead of its sign).
 // Based on: [Kenzel13] 4.2.2 and figure 6.1. Differences: docs/techniques/edsm.md.
 #include "stages/resolve_inputs.glsl"
-#include "lib/edge_depth_lib.glsl"
+#include "techniques/edsm/edge_depth_lib.glsl"
 #include "lib/edge_reconstruction_lib.glsl"
 #include "shared/edge_map.h"
 

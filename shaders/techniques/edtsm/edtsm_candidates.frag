@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Where the hard visibility changes at all, whatever the reason: edtsm_sites.frag looks closer there. Two gathers hold
 // the pixel and its four neighbours.
-#include "shared/penumbra_params.h"
+#include "techniques/edtsm/penumbra_params.h"
 
 layout(binding = kHardVisibilityUnit) uniform sampler2D visibility_tx;
 layout(location = 0) uniform vec2 u_pixel;  // 1 / size of the picture

@@ -8,7 +8,7 @@
 // nearest on the surface (or across the light's rays) is looked for; a light's own size gives its own profile instead
 // of the straight ramp; the next borders on the same line count too.
 #include "techniques/edtsm/penumbra_inputs.glsl"
-#include "lib/light_cut_lib.glsl"
+#include "techniques/edtsm/light_cut_lib.glsl"
 #include "lib/nearest_site_lib.glsl"
 
 layout(binding = kHardVisibilityUnit) uniform sampler2D visibility_tx;

@@ -6,8 +6,8 @@
 // Defines: FROM_LIGHT (1: the penumbra's width comes from the light's size), SCREEN_METRIC (1: pixels, 0: scene units).
 
 #include "stages/resolve_inputs.glsl"
-#include "lib/pixel_footprint_lib.glsl"
-#include "shared/penumbra_params.h"
+#include "techniques/edtsm/pixel_footprint_lib.glsl"
+#include "techniques/edtsm/penumbra_params.h"
 
 layout(std140, binding = kPixelCameraSlot) uniform CameraBlock {
     PixelCamera camera;

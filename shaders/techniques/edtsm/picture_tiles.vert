@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: 2026 Shadow Layers contributors
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Two triangles per listed rectangle of the picture.
-#include "shared/penumbra_params.h"
+#include "techniques/edtsm/penumbra_params.h"
 
 layout(std430, binding = kTileListSlot) readonly buffer TileBlock {
     uvec2 rectangles[];  // x: first column, end column << 16; y: first row, end row << 16

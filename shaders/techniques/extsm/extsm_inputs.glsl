@@ -5,7 +5,7 @@
 // (1,1).
 #include "stages/resolve_inputs.glsl"
 #include "lib/edge_reconstruction_lib.glsl"
-#include "shared/extended_map.h"
+#include "techniques/extsm/extended_map.h"
 
 layout(binding = kDepthMapUnit) uniform sampler2DArrayShadow depth_map_tx;
 layout(binding = kEdgeMapUnit) uniform sampler2DArray edge_value_tx;

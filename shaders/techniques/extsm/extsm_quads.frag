@@ -4,7 +4,7 @@
 // Blended by the maximum; the sign makes that the nearest or the farthest depth.
 // Based on: [Bujnak04] 4.1, 4.2.
 #include "techniques/extsm/edge_seen.glsl"
-#include "shared/extended_map.h"
+#include "techniques/extsm/extended_map.h"
 
 layout(location = 3) uniform float u_depth_sign;
 layout(location = 4) uniform float u_guard_zone;

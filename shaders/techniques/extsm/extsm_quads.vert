@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // A quad along each silhouette edge, from one diagonal of a texel inside the caster to two outside.
 // Based on: [Bujnak04] 4.1, figure 4. Difference: in the map, from steps that were worked in double.
-#include "shared/extended_map.h"
+#include "techniques/extsm/extended_map.h"
 
 layout(std430, binding = kExtendedQuadSlot) readonly buffer QuadBlock {
     ExtendedQuad quads[];

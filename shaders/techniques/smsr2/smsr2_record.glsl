@@ -3,7 +3,7 @@
 #pragma once
 
 // What a pixel's record says of the texel that its receiver lies in.
-#include "shared/discontinuity_map.h"
+#include "techniques/smsr2/discontinuity_map.h"
 
 const uint kCodeBits = 31u;
 const uint kMapDecidesBit = 32u;

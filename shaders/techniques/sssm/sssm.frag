@@ -3,7 +3,7 @@
 // Shadow silhouette maps: four depth tests; where they disagree, the test of the corner whose part of the cell the
 // receiver lies in. Based on: [Sen03].
 #include "stages/resolve_inputs.glsl"
-#include "lib/silhouette_map_lib.glsl"
+#include "techniques/sssm/silhouette_map_lib.glsl"
 
 layout(binding = kDepthMapUnit) uniform sampler2DArrayShadow depth_map_tx;
 layout(binding = kEdgeMapUnit) uniform sampler2DArray silhouette_map_tx;

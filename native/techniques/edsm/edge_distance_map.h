@@ -28,7 +28,7 @@ struct EdgeDistanceOptions {
     bool own_texel_test = false;  ///< an edge is seen if it passes the test of the texel itself, as in the thesis
 };
 
-/// What a view's edge depths are multiplied by, so that half floats hold them (shaders/lib/edge_depth_lib.glsl).
+/// What a view's edge depths are multiplied by, so that half floats hold them (edge_depth_lib.glsl).
 double compute_edge_depth_scale(const LightView& view);
 
 /// Cached by the depth map's key and the options. Counts "silhouette_edges", "edge_quads", "edge_fragments",

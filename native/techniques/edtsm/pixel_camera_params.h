@@ -3,11 +3,11 @@
 #pragma once
 
 #include "frame/frame.h"
-#include "pixel_camera.h"
+#include "techniques/edtsm/pixel_camera.h"
 
 namespace shadow_layers {
 
-/// The frame's camera in the form of shaders/shared/pixel_camera.h, for lib/pixel_footprint_lib.glsl.
+/// The frame's camera in the form of pixel_camera.h, for pixel_footprint_lib.glsl (both in shaders/techniques/edtsm/).
 PixelCamera make_pixel_camera(const Frame& frame);
 
 }  // namespace shadow_layers

@@ -3,7 +3,7 @@
 // What a texel keeps of the edge, if the edge is seen from the light. The depth buffer sorts: smallest priority wins.
 // Defines: EDGE_ORDER (lib/edge_lib.glsl), OWN_TEXEL_TEST (1: the thesis's test of the edge against one texel).
 // Based on: [Kenzel13] 4.2.1.
-#include "lib/edge_depth_lib.glsl"
+#include "techniques/edsm/edge_depth_lib.glsl"
 #include "lib/edge_lib.glsl"
 #include "shared/edge_map.h"
 #include "shared/light_params.h"

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 Shadow Layers contributors
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "stages/silhouette_map.h"
+#include "techniques/sssm/silhouette_map.h"
 
 #include "base/hash.h"
 #include "light_params.h"
@@ -29,7 +29,7 @@ std::shared_ptr<const SilhouetteMap> draw_silhouette_map(Engine& engine, const M
     auto texture = std::make_shared<gl::Texture>(
         engine.device(), gl::TextureDesc{GL_RG16F, depth_tx.width(), depth_tx.height(), depth_tx.layers()},
         "silhouette map");
-    const gl::Program& program = engine.program("stages/edge_distance_map.vert", "stages/silhouette_map.frag");
+    const gl::Program& program = engine.program("stages/edge_quads.vert", "techniques/sssm/silhouette_map.frag");
     auto made = std::make_shared<SilhouetteMap>();
     made->silhouette_edges = found.silhouette_edges;
     for (int layer = 0; layer < depth_tx.layers(); ++layer) {

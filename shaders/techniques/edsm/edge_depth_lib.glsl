@@ -10,7 +10,7 @@
 // A parallel view's depths run from 0 to 1 evenly and stay as they are.
 
 // far / near - 1 of a perspective view, 1 of a parallel one. Both rows are multiples of the view's axis, by -1 and by
-// near / (far - near); the w row of a parallel view is zero. stages/edge_distance_map.h has it from the view.
+// near / (far - near); the w row of a parallel view is zero. techniques/edsm/edge_distance_map.h has it from the view.
 float edge_depth_scale(mat4 lc_from_rel) {
     vec3 row_z = vec3(lc_from_rel[0].z, lc_from_rel[1].z, lc_from_rel[2].z);
     vec3 row_w = vec3(lc_from_rel[0].w, lc_from_rel[1].w, lc_from_rel[2].w);

@@ -2,9 +2,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The point that a cell of the silhouette map keeps of an edge: an end that lies in the cell, so that corners stay
 // sharp, else the middle of the edge's part in the cell. Edges come in cell coordinates, half a texel off the map's.
-// Drawn with stages/edge_distance_map.vert.
+// Drawn with stages/edge_quads.vert.
 // Based on: [Sen03].
-#include "lib/silhouette_map_lib.glsl"
+#include "techniques/sssm/silhouette_map_lib.glsl"
 #include "shared/light_params.h"
 
 layout(binding = kDepthMapUnit) uniform sampler2DArrayShadow depth_map_tx;

@@ -5,7 +5,7 @@
 // What a pixel covers of the surface that it sees, and whether two pixels see one surface. Thresholds come from the
 // pixel's own size at its depth, so that they hold at any scale.
 
-#include "shared/pixel_camera.h"
+#include "techniques/edtsm/pixel_camera.h"
 
 struct Footprint {
     float depth_vs;      // along the view axis

@@ -22,7 +22,7 @@ const int kTileListSlot = 4;
 struct PenumbraParams {
     vec4 width;          // penumbra in scene units, in pixels; mean filter's size as a part of the penumbra; unused
     vec4 light_u;        // half axis or half side of the light: a vector of an area light; x = radius otherwise (sun:
-    vec4 light_v;        // tangent of half its angle). light_u.w: shape (lib/light_cut_lib.glsl), light_v.w = 1: area
+    vec4 light_v;        // tangent of half its angle). light_u.w: shape (light_cut_lib.glsl), light_v.w = 1: area
     vec4 map_depths[6];  // by map layer: near and far depth of the view; z = 1: perspective
 };
 

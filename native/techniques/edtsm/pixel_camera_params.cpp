@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 Shadow Layers contributors
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "stages/pixel_camera_params.h"
+#include "techniques/edtsm/pixel_camera_params.h"
 
 #include "frame/camera_window.h"
 

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 Shadow Layers contributors
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "stages/edge_distance_map.h"
+#include "techniques/edsm/edge_distance_map.h"
 
 #include <algorithm>
 
@@ -63,7 +63,7 @@ std::shared_ptr<const EdgeDistanceMap> draw_edge_distance_map(Engine& engine, co
     auto priority_tx = std::make_shared<gl::Texture>(
         engine.device(), gl::TextureDesc{GL_DEPTH_COMPONENT32F, depth_tx.width(), depth_tx.height()}, "edge priority");
     const gl::Program& program = engine.program(
-        "stages/edge_distance_map.vert", "stages/edge_distance_map.frag",
+        "stages/edge_quads.vert", "techniques/edsm/edge_distance_map.frag",
         {{"EDGE_ORDER", std::to_string(int(options.order))}, {"OWN_TEXEL_TEST", options.own_texel_test ? "1" : "0"}});
     program.use();
     program.set("u_reach_texels", float(options.edges.reach_texels));
