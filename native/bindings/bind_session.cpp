@@ -88,14 +88,18 @@ void close_open_sessions() {
 }
 
 std::unique_ptr<PySession> make_session(const std::string& backend, int threads, const py::object& shader_dir,
-                                        const py::object& gpu_cache_bytes, bool debug) {
+                                        const py::object& gpu_cache_bytes, const py::object& host_cache_bytes,
+                                        bool debug) {
     release_deferred();
     SessionOptions options;
     options.backend = backend;
     options.threads = threads;
     options.shader_dir = py::module_::import("os").attr("fspath")(shader_dir).cast<std::string>();
-    options.gpu_cache_bytes = std::size_t(
-        integer_from("Session: gpu_cache_bytes", gpu_cache_bytes, 0, std::numeric_limits<std::int64_t>::max()));
+    const auto bytes_from = [](const char* name, const py::object& given) {
+        return std::size_t(integer_from(name, given, 0, std::numeric_limits<std::int64_t>::max()));
+    };
+    options.gpu_cache_bytes = bytes_from("Session: gpu_cache_bytes", gpu_cache_bytes);
+    options.host_cache_bytes = bytes_from("Session: host_cache_bytes", host_cache_bytes);
     options.debug = debug;
     return std::make_unique<PySession>(options);
 }
@@ -271,7 +275,8 @@ void bind_session(py::module_& module) {
     py::class_<PySession>(module, "Session", py::module_local(), "One GL context on a private thread.")
         .def(py::init(&make_session), py::kw_only(), py::arg("backend") = defaults.backend,
              py::arg("threads") = defaults.threads, py::arg("shader_dir"),
-             py::arg("gpu_cache_bytes") = py::int_(defaults.gpu_cache_bytes), py::arg("debug") = defaults.debug)
+             py::arg("gpu_cache_bytes") = py::int_(defaults.gpu_cache_bytes),
+             py::arg("host_cache_bytes") = py::int_(defaults.host_cache_bytes), py::arg("debug") = defaults.debug)
         .def_property_readonly("info", [](const PySession& self) { return info_to(self.require_open("info")->info()); })
         .def("render", &render, py::arg("scene"), py::arg("camera"), py::arg("jobs"), py::kw_only(), py::arg("width"),
              py::arg("height"), py::arg("region") = py::none(), py::arg("samples") = 1,

@@ -147,7 +147,8 @@ class Session:
         backend: str = "auto",
         threads: int = 0,
         shader_dir: str,
-        gpu_cache_bytes: int = 1 << 30,
+        gpu_cache_bytes: int = 1 << 30,  # meshes and stage results kept between frames
+        host_cache_bytes: int = 512 << 20,  # what is derived from meshes, kept between frames
         debug: bool = False,
     ) -> None: ...
     info: dict[str, Any]  # backend, gl_version, gl_renderer, gl_vendor, threads, max_texture_size, software
@@ -171,8 +172,8 @@ class Session:
         """Both callbacks run on this thread; what they raise, and Ctrl-C, ends the render and is raised from here."""
     def cancel(self) -> None:
         """From any thread; the running render raises Cancelled within 300 ms."""
-    host_bytes: int
-    gpu_bytes: int
+    host_bytes: int  # held after the last render: mesh data and frames on the host
+    gpu_bytes: int  # the same for all that lies on the GL
     def close(self) -> None: ...
     def __enter__(self) -> Session: ...
     def __exit__(self, *exc: object) -> None: ...

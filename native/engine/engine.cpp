@@ -32,12 +32,12 @@ StageTimer::~StageTimer() {
     }
 }
 
-Engine::Engine(Context& context, const EngineOptions& options) {
+Engine::Engine(Context& context, const EngineOptions& options)
+    : stages_(options.gpu_cache_bytes / 2), mesh_data_(options.host_cache_bytes) {
     // First, so that a wrong folder is told before anything costly is made.
     sources_ = std::make_unique<gl::ShaderSource>(options.shader_dir);
     device_ = std::make_unique<gl::Device>(loader(), &context, options.debug);
     threads_ = std::make_unique<ThreadPool>(options.threads);
-    stages_ = std::make_unique<StageCache>(options.gpu_cache_bytes / 2);
     meshes_ = std::make_unique<MeshCache>(options.gpu_cache_bytes / 2);
     empty_vertices_ = gl::VertexArray(*device_, "no vertices");
 }
@@ -63,7 +63,8 @@ const gl::Program& Engine::program(const std::vector<std::string>& files, const 
 
 void Engine::begin_render() {
     ++render_number_;
-    stages_->begin_render();
+    stages_.begin_render();
+    mesh_data_.begin_render();
     meshes_->begin_render();
 }
 

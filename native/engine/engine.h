@@ -8,9 +8,9 @@
 #include <vector>
 
 #include "base/cancel_token.h"
+#include "base/content_cache.h"
 #include "base/thread_pool.h"
 #include "engine/draw_state.h"
-#include "engine/stage_cache.h"
 #include "engine/stage_record.h"
 #include "gl/buffer.h"
 #include "gl/device.h"
@@ -19,6 +19,7 @@
 #include "gl/shader_source.h"
 #include "gl/texture.h"
 #include "gl/vertex_array.h"
+#include "scene/mesh_data_cache.h"
 
 namespace shadow_layers {
 
@@ -29,7 +30,8 @@ class MeshCache;
 struct EngineOptions {
     std::string shader_dir;
     int threads = 0;
-    std::size_t gpu_cache_bytes = std::size_t{1} << 30;  ///< half for meshes, half for stage results
+    std::size_t gpu_cache_bytes = std::size_t{1} << 30;     ///< half for meshes, half for stage results
+    std::size_t host_cache_bytes = std::size_t{512} << 20;  ///< mesh data
     bool debug = false;
 };
 
@@ -69,8 +71,10 @@ public:
     /// Any set of stages: {"x.vert", "x.geom", "x.frag"} or {"x.comp"}.
     const gl::Program& program(const std::vector<std::string>& files, const gl::Defines& defines = {});
 
-    /// Results of stages, kept between frames by the keys of their inputs.
-    StageCache& stages() { return *stages_; }
+    /// Results of stages on the GL, kept between frames by the keys of their inputs. T::byte_size() is of the GL's.
+    ContentCache& stages() { return stages_; }
+    /// What is derived from meshes on the host, kept between frames.
+    MeshDataCache& mesh_data() { return mesh_data_; }
     /// Meshes on the GPU; used through draw_scene (engine/scene_draw.h).
     MeshCache& meshes() { return *meshes_; }
     ThreadPool& threads() { return *threads_; }
@@ -122,7 +126,8 @@ private:
     std::unique_ptr<ThreadPool> threads_;
     CancelToken cancel_;
     std::map<std::string, gl::Program> programs_;
-    std::unique_ptr<StageCache> stages_;
+    ContentCache stages_;
+    MeshDataCache mesh_data_;
     std::unique_ptr<MeshCache> meshes_;
     gl::VertexArray empty_vertices_;
     gl::Buffer instance_stream_;

@@ -33,8 +33,8 @@ struct GpuMesh {
 };
 
 /// Uploaded meshes by content, least recently used out first when over budget; those that kKeptRenders renders
-/// (stage_cache.h) did not draw go, too. What stays the same between frames is not sent again; a mesh that deforms is
-/// sent whole.
+/// (base/content_cache.h) did not draw go, too. What stays the same between frames is not sent again; a mesh that
+/// deforms is sent whole.
 class MeshCache {
 public:
     explicit MeshCache(std::size_t budget_bytes) : budget_bytes_(budget_bytes) {}

@@ -7,7 +7,6 @@
 #include <limits>
 #include <map>
 
-#include "base/hash.h"
 #include "frame/camera_window.h"
 #include "scene/vertex_triangles.h"
 
@@ -123,8 +122,8 @@ private:
         auto& found = vertex_triangles_[index];
         if (!found) {
             const Mesh& mesh = *frame_.scene->meshes[index];
-            const ContentKey key = KeyBuilder("vertex_triangles").add(mesh.topology_key).key();
-            found = engine_.stages().get<VertexTriangles>(key, [&] { return make_vertex_triangles(mesh); });
+            found = engine_.mesh_data().get_for_topology<VertexTriangles>(mesh,
+                                                                          [&] { return make_vertex_triangles(mesh); });
             engine_.check_cancelled();
         }
         return *found;

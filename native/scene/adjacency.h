@@ -3,13 +3,9 @@
 #pragma once
 
 #include <cstdint>
-#include <deque>
 #include <glm/glm.hpp>
-#include <list>
 #include <memory>
 #include <span>
-#include <unordered_map>
-#include <utility>
 #include <vector>
 
 #include "shadow_layers/scene.h"
@@ -73,42 +69,6 @@ ComponentShapes measure_components(const Mesh& mesh, const MeshAdjacency& adjace
 struct MeshEdges {
     std::shared_ptr<const MeshAdjacency> adjacency;
     std::shared_ptr<const ComponentShapes> shapes;
-};
-
-/// Keeps adjacencies between frames. An adjacency is found by the topology key and used again for deformed positions
-/// while still_holds; so an animated mesh is welded once, yet every frame gets exactly what a fresh weld would give.
-class AdjacencyCache {
-public:
-    explicit AdjacencyCache(std::size_t budget_bytes = std::size_t{512} << 20) : budget_bytes_(budget_bytes) {}
-
-    MeshEdges get(const Mesh& mesh, ThreadPool* threads = nullptr);
-    /// Uses from now on count for this render; what was last used `kept` renders before it is dropped.
-    void begin_render(std::uint64_t render, std::uint64_t kept);
-    void clear();
-    std::size_t bytes() const { return bytes_; }
-    std::size_t weld_count() const { return weld_count_; }  ///< welds worked so far, for tests
-
-private:
-    /// A weld, and the shapes of the last few sets of positions that it was found to hold for.
-    struct Entry {
-        ContentKey topology_key;
-        std::shared_ptr<const MeshAdjacency> adjacency;
-        std::deque<std::pair<ContentKey, std::shared_ptr<const ComponentShapes>>> shapes;
-        std::uint64_t last_render = 0;
-    };
-    struct KeyHash {
-        std::size_t operator()(const ContentKey& key) const { return std::size_t(key.low); }
-    };
-    using Entries = std::list<Entry>;
-    MeshEdges add_shapes(Entries::iterator entry, const Mesh& mesh);
-    void use(Entries::iterator entry);
-    void trim();
-    void drop_last();
-
-    Entries entries_;  ///< most recently used first
-    std::unordered_multimap<ContentKey, Entries::iterator, KeyHash> by_topology_;
-    std::size_t budget_bytes_, bytes_ = 0, weld_count_ = 0;
-    std::uint64_t render_ = 0;
 };
 
 }  // namespace shadow_layers

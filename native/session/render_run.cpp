@@ -116,6 +116,7 @@ FrameResult RenderRun::run() {
     if (clay_) result_.combined = clay_->take();
     engine_.check_gl("the end of the render");
     result_.warnings = engine_.take_warnings();
+    frame_record_.count("mesh_data_bytes", std::int64_t(engine_.mesh_data().bytes()));
     result_.stats = frame_record_.stats();
     return std::move(result_);
 }

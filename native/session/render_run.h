@@ -15,7 +15,7 @@
 namespace shadow_layers {
 
 /// Techniques by name, made when first asked for. With its pictures, which are of the frame's size, one outlives its
-/// last use by as many renders as what the stage cache holds (kKeptRenders).
+/// last use by as many renders as what the caches hold (kKeptRenders).
 class TechniqueSet {
 public:
     explicit TechniqueSet(std::vector<TechniqueEntry> entries);

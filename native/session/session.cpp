@@ -66,8 +66,9 @@ void Session::Impl::run_worker(std::promise<void>& ready) {
     std::unique_ptr<Engine> engine;
     try {
         context = make_context(options.backend, options.threads);
-        engine = std::make_unique<Engine>(
-            *context, EngineOptions{options.shader_dir, options.threads, options.gpu_cache_bytes, options.debug});
+        engine = std::make_unique<Engine>(*context,
+                                          EngineOptions{options.shader_dir, options.threads, options.gpu_cache_bytes,
+                                                        options.host_cache_bytes, options.debug});
         const gl::Device& device = engine->device();
         info = {context->description(),
                 device.version(),
@@ -116,7 +117,7 @@ void Session::Impl::work(Engine& engine, const std::shared_ptr<FramePool>& pool,
         } catch (...) {
             error = std::current_exception();
         }
-        host_bytes = pool->host_bytes() + engine.stages().bytes();
+        host_bytes = pool->host_bytes() + engine.mesh_data().bytes();
         gpu_bytes = engine.gpu_bytes();
         {
             std::lock_guard lock(mutex);

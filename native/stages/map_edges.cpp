@@ -29,8 +29,8 @@ struct InstanceEdges {
     std::vector<SilhouetteEdge> edges;
 };
 
-std::vector<InstanceEdges> find_by_instance(Engine& engine, AdjacencyCache& cache, const Scene& scene,
-                                            const LightSample& position, const SilhouetteOptions& options) {
+std::vector<InstanceEdges> find_by_instance(Engine& engine, const Scene& scene, const LightSample& position,
+                                            const SilhouetteOptions& options) {
     std::set<std::uint32_t> casters;
     for (const LightView& view : position.views) casters.insert(view.casters.begin(), view.casters.end());
     std::vector<InstanceEdges> found;
@@ -39,7 +39,7 @@ std::vector<InstanceEdges> find_by_instance(Engine& engine, AdjacencyCache& cach
         const std::uint32_t mesh = scene.instances[instance].mesh;
         if (!meshes.contains(mesh)) {
             engine.check_cancelled();
-            meshes[mesh] = cache.get(*scene.meshes[mesh], &engine.threads());
+            meshes[mesh] = engine.mesh_data().get_edges(*scene.meshes[mesh], &engine.threads());
         }
         found.push_back({instance, {}});
     }
@@ -115,12 +115,11 @@ bool project_edge(const LightView& view, glm::dvec4 start_lc, glm::dvec4 end_lc,
     return true;
 }
 
-MapEdgeFinder::Result MapEdgeFinder::find(Engine& engine, const Scene& scene, const LightSample& position,
-                                          const MapEdgeOptions& options) {
+MapEdges find_map_edges(Engine& engine, const Scene& scene, const LightSample& position,
+                        const MapEdgeOptions& options) {
     const auto timer = engine.time_stage("silhouettes");
-    Result result;
-    adjacency_.begin_render(engine.render_number(), kKeptRenders);
-    const std::vector<InstanceEdges> found = find_by_instance(engine, adjacency_, scene, position, options.silhouettes);
+    MapEdges result;
+    const std::vector<InstanceEdges> found = find_by_instance(engine, scene, position, options.silhouettes);
     for (const InstanceEdges& item : found) result.silhouette_edges += std::int64_t(item.edges.size());
     for (const LightView& view : position.views)
         result.by_view.push_back(project_to_view(engine, scene, found, view, options));

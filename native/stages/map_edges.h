@@ -25,17 +25,11 @@ struct MapEdgeOptions {
     bool foreshortened = false;  ///< quads built before the perspective division
 };
 
-/// Silhouette edges as each view of a position sees them. Adjacency is kept between frames.
-class MapEdgeFinder {
-public:
-    struct Result {
-        std::vector<std::vector<MapEdge>> by_view;  ///< in the order of instances and of their edges
-        std::int64_t silhouette_edges = 0;          ///< found, before any view cuts them
-    };
-    Result find(Engine& engine, const Scene& scene, const LightSample& position, const MapEdgeOptions& options);
-
-private:
-    AdjacencyCache adjacency_;
+/// Silhouette edges as each view of a light sample sees them.
+struct MapEdges {
+    std::vector<std::vector<MapEdge>> by_view;  ///< in the order of instances and of their edges
+    std::int64_t silhouette_edges = 0;          ///< found, before any view cuts them
 };
+MapEdges find_map_edges(Engine& engine, const Scene& scene, const LightSample& position, const MapEdgeOptions& options);
 
 }  // namespace shadow_layers

@@ -15,7 +15,7 @@
 
 namespace shadow_layers {
 
-class Engine;  // engine/engine.h: GL, programs, mesh cache, stage cache, thread pool, timers, cancel token
+class Engine;  // engine/engine.h: GL, programs, caches, thread pool, timers, cancel token
 
 /// What a technique fills: each declared channel once, from a GL texture or from the CPU, at the frame's size
 /// (overscan included; the session crops it).

@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <memory>
 
-#include "base/hash.h"
 #include "scene/bounds.h"
 #include "scene/mesh_clusters.h"
 
@@ -18,9 +17,9 @@ constexpr std::size_t kSetUpBlock = 8;
 constexpr int kTilesPerTriangle = 8;
 
 std::shared_ptr<const MeshClusters> get_clusters(Engine& engine, const Mesh& mesh) {
-    const ContentKey key = KeyBuilder("mesh_clusters").add(mesh.positions_key).add(mesh.topology_key).key();
-    return engine.stages().get<MeshClusters>(
-        key, [&] { return std::make_shared<const MeshClusters>(make_mesh_clusters(mesh, &engine.threads())); });
+    return engine.mesh_data().get_for_mesh<MeshClusters>(mesh, [&](const auto&) {
+        return std::make_shared<const MeshClusters>(make_mesh_clusters(mesh, &engine.threads()));
+    });
 }
 
 bool find_box_extent(const MeshClusters::Box& box, const glm::dmat4& lc_from_object, const CasterGrid& grid,

@@ -125,8 +125,7 @@ Pairs collect_pairs(const Mesh& mesh, const MeshAdjacency& adjacency) {
 
 void bench(Engine& engine, const std::string& name, const MeshData& data) {
     const auto mesh = to_mesh(name, data);
-    AdjacencyCache cache;
-    const MeshEdges edges = cache.get(*mesh, &engine.threads());
+    const MeshEdges edges = engine.mesh_data().get_edges(*mesh, &engine.threads());
     const LightPoint light(1.3, 2.1, 4.7, 1.0);
     std::size_t cpu_found = 0;
     const double two = median_ms(

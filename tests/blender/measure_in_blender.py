@@ -176,7 +176,7 @@ def measure_memory(paths: list[Path]) -> dict:
     held: dict[str, list[int]] = {}
     for number in range(settle + 4 * period):
         scene.frame_set(1 + number % period)
-        render(scene, ["sm", "pcf", "edsm"])
+        render(scene, ["sm", "pcf", "edsm", "sv", "exact"])
         session = bridge.session(settings.backend, settings.threads)
         now = {**memory.read_memory(), "host": session.host_bytes, "gpu": session.gpu_bytes}
         for key, value in now.items():

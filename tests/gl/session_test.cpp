@@ -3,12 +3,17 @@
 // The session as callers see it: pictures, order, errors, cancelling, closing, memory.
 #include "shadow_layers/session.h"
 
+#include <malloc.h>
+
+#include <algorithm>
 #include <atomic>
 #include <chrono>
 #include <cmath>
+#include <functional>
 #include <thread>
 
 #include "gl_fixture.h"
+#include "support/technique_scenes.h"
 
 namespace shadow_layers {
 namespace {
@@ -336,29 +341,75 @@ TEST_F(SessionTest, CallersOnSeveralThreadsTakeTurns) {
 TEST_F(SessionTest, NothingGrowsOverManyFrames) {
     auto scene = test::make_ball_scene();
     RenderRequest request = make_request(96, 54);
-    request.jobs = {{0, "sm", {}}, {0, "edsm", {}}};
-    for (LayerJob& job : request.jobs) job.parameters.set("map_size", std::int64_t(128));
+    request.jobs = {{0, "sm", {}}, {0, "edsm", {}}, {0, "sv", {}}, {0, "exact", {}}};
+    for (LayerJob& job : {std::ref(request.jobs[0]), std::ref(request.jobs[1])})
+        job.parameters.set("map_size", std::int64_t(128));
     // Caches of its own, small enough to be full after a few frames: what grows then can only be a leak.
     SessionOptions options = test::make_session_options();
     options.gpu_cache_bytes = std::size_t{2} << 20;
+    options.host_cache_bytes = std::size_t{1} << 20;
     Session small(options);
     std::size_t host = 0, gpu = 0;
     for (int frame = 0; frame < 200; ++frame) {
-        // A deforming mesh and a moving light: nothing can be used again.
-        test::MeshData ball = test::make_ball();
+        // A deforming mesh of a topology of its own, and a moving light: nothing can be used again.
+        testing::MeshData ball = testing::make_sphere(1.0f, 20, 24 + frame % 10);
         for (glm::vec3& p : ball.positions) p *= 1.0f + 0.001f * float(frame);
+        std::rotate(ball.triangles.begin(), ball.triangles.begin() + frame, ball.triangles.end());
         auto moved = std::make_shared<Scene>(*scene);
-        moved->meshes[1] = test::to_mesh("ball", std::move(ball));
+        moved->meshes[1] = testing::to_mesh("ball", std::move(ball));
         moved->lights[0].world_from_light[3].x += 0.01 * frame;
         request.scene = moved;
         small.render(request, {});
         if (frame <= 40) host = std::max(host, small.host_bytes()), gpu = std::max(gpu, small.gpu_bytes());
         if (frame > 40) {
             ASSERT_LE(small.gpu_bytes(), gpu + (std::size_t{256} << 10)) << frame;
-            ASSERT_LE(small.host_bytes(), host + (std::size_t{256} << 10)) << frame;
+            ASSERT_LE(small.host_bytes(), host + (std::size_t{64} << 10)) << frame;
         }
     }
     EXPECT_LE(gpu, std::size_t{6} << 20);
+    EXPECT_LE(host, std::size_t{4} << 20);
+}
+
+TEST_F(SessionTest, HostBytesAreOfTheHostAndCountMeshData) {
+    Session own(test::make_session_options());
+    RenderRequest request = make_request(32, 18);
+    auto scene = std::make_shared<Scene>(*request.scene);
+    scene->meshes[1] = testing::to_mesh("fine ball", testing::make_sphere(1.0f, 200, 300));
+    request.scene = scene;
+    request.jobs[0].parameters.set("map_size", std::int64_t(2048));
+    own.render(request, {});
+    EXPECT_GT(own.gpu_bytes(), std::size_t{4 * 2048 * 2048});
+    EXPECT_LT(own.host_bytes(), std::size_t{4 << 20});  // a map lies on the GL
+    const std::size_t before = own.host_bytes();
+    request.jobs = {{0, "sv", {}}};
+    own.render(request, {});
+    // Each triangle has three halves of edges: their ends, their triangles, and each triangle's part.
+    const std::size_t triangles = scene->meshes[1]->triangles.size();
+    EXPECT_GT(own.host_bytes() - before, triangles * (3 * 8 / 2 + 3 * 4 + 4));
+    EXPECT_LT(own.host_bytes() - before, triangles * 40);
+}
+
+TEST_F(SessionTest, TopologiesThatWentByAreFreed) {
+    Session own(test::make_session_options());
+    RenderRequest request = make_request(32, 18);
+    request.jobs = {{0, "sv", {}}};
+    const auto allocated = [] {
+        const struct mallinfo2 info = mallinfo2();
+        return info.uordblks + info.hblkhd;
+    };
+    if (allocated() == 0) GTEST_SKIP() << "this allocator does not tell";
+    std::size_t early = 0;
+    for (int frame = 0; frame < 24; ++frame) {
+        auto scene = std::make_shared<Scene>(*request.scene);
+        testing::MeshData ball = testing::make_sphere(1.0f, 150, 200);
+        std::rotate(ball.triangles.begin(), ball.triangles.begin() + frame, ball.triangles.end());
+        scene->meshes[1] = testing::to_mesh("ball", std::move(ball));
+        request.scene = scene;
+        own.render(request, {});
+        if (frame == 10) early = allocated();
+    }
+    // One frame's adjacency takes more than that.
+    EXPECT_LT(double(allocated()) - double(early), 1e6);
 }
 
 TEST(SessionLife, OpensAndClosesManyTimes) {

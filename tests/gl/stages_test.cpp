@@ -272,11 +272,10 @@ TEST(EdgeDistanceStage, TexelsHoldTheLineOfTheNearestEdge) {
     view.camera = make_camera({0, 0, 10}, {0, 0, 0}, 64, 36, 12);
     view.scene->lights = {make_light(LightKind::Sun, {0, 0, 5}, {0, 0, 0})};
     const auto run = runner.render(view, "edsm", parameters({{"map_size", std::int64_t{64}}}));
-    MapEdgeFinder finder;
     const auto depth = render_depth_map(runner.engine(), *view.scene, run.positions[0]);
     EdgeDistanceOptions options;
     options.edges.reach_texels = 1.5;
-    const auto map = render_edge_distance_map(runner.engine(), finder, *view.scene, run.positions[0], *depth, options);
+    const auto map = render_edge_distance_map(runner.engine(), *view.scene, run.positions[0], *depth, options);
     const LightView& light = run.positions[0].views[0];
     const glm::dvec4 edge_lc = light.lc_from_ws * glm::dvec4(0.0131, 0, 1, 1);
     const glm::dvec4 lit_lc = light.lc_from_ws * glm::dvec4(-1, 0, 1, 1);

@@ -305,8 +305,9 @@ def test_bad_session_options_are_named(core, shader_dir, tmp_path):
         core.Session(backend="osmesa", shader_dir=str(tmp_path / "nowhere"))
     with pytest.raises(TypeError):
         core.Session(backend="osmesa", shader_dir=7)
-    with pytest.raises(core.InputError, match="gpu_cache_bytes"):
-        core.Session(backend="osmesa", shader_dir=shader_dir, gpu_cache_bytes=-1)
+    for name in ("gpu_cache_bytes", "host_cache_bytes"):
+        with pytest.raises(core.InputError, match=name):
+            core.Session(backend="osmesa", shader_dir=shader_dir, **{name: -1})
 
 
 # --- in an interpreter of its own ---

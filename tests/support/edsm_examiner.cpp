@@ -168,10 +168,9 @@ EDSMExaminer::EDSMExaminer(TechniqueRunner& runner, const TechniqueRun& run, con
     const ParameterValues values = resolve_parameters(find_technique_descriptor("edsm"), parameters);
     if (values.get_enum("reading") != "improved" || values.get_float("softness") > 0)
         throw std::invalid_argument("only hard shadows by the improved reading are examined");
-    MapEdgeFinder finder;
     const auto depth_map = render_depth_map(engine, scene, impl_->position);
     const auto edge_map =
-        render_edge_distance_map(engine, finder, scene, impl_->position, *depth_map, edsm_edge_options(values));
+        render_edge_distance_map(engine, scene, impl_->position, *depth_map, edsm_edge_options(values));
     impl_->size = depth_map->texture->width();
     impl_->depths = depth_map->texture->download<float>();
     impl_->edges = edge_map->texture->download<std::uint16_t>();

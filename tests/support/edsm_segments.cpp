@@ -6,7 +6,7 @@
 #include <numeric>
 #include <set>
 
-#include "scene/adjacency.h"
+#include "scene/mesh_data_cache.h"
 #include "scene/silhouettes.h"
 
 namespace shadow_layers::testing {
@@ -81,8 +81,7 @@ std::vector<EdgeSegment> find_edge_segments(const Scene& scene, const LightSampl
                                             ThreadPool& threads) {
     const LightPoint light =
         position.directional ? LightPoint(position.to_light_ws, 0.0) : LightPoint(position.position_ws, 1.0);
-    AdjacencyCache adjacency;
-    adjacency.begin_render(1, 1);
+    MeshDataCache mesh_data(std::size_t{512} << 20);
     std::vector<EdgeSegment> segments;
     for (const std::uint32_t index : view.casters) {
         const Instance& instance = scene.instances[index];
@@ -91,7 +90,8 @@ std::vector<EdgeSegment> find_edge_segments(const Scene& scene, const LightSampl
         const auto to_lc = [&](std::uint32_t vertex) {
             return lc_from_object * glm::dvec4(glm::dvec3(mesh.positions[vertex]), 1.0);
         };
-        const auto found = find_silhouettes(mesh, adjacency.get(mesh, &threads), instance.world_from_object, light);
+        const auto found =
+            find_silhouettes(mesh, mesh_data.get_edges(mesh, &threads), instance.world_from_object, light);
         for (const SilhouetteEdge& edge : found) {
             EdgeSegment segment;
             if (project(view, to_lc(edge.a), to_lc(edge.b), segment) &&

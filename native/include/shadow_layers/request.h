@@ -55,7 +55,7 @@ struct StageTime {
 };
 
 /// Times and counts that come with each result. Counters: "triangles", "silhouette_edges", "edge_fragments",
-/// "map_bytes", ...: each named in the technique's docs page.
+/// "map_bytes", ...: each named in the technique's docs page; of the frame "mesh_data_bytes", held after it.
 struct RenderStats {
     std::vector<StageTime> times;
     std::map<std::string, std::int64_t> counters;

@@ -16,8 +16,9 @@ struct SessionOptions {
         "auto";              ///< "auto" (EGL on a GPU if there is one, then OSMesa, then EGL software), "osmesa", "egl"
     int threads = 0;         ///< CPU stages and software rasteriser; 0 = all cores
     std::string shader_dir;  ///< folder that holds shared/, lib/, ...; must exist
-    std::size_t gpu_cache_bytes = std::size_t{1} << 30;  ///< meshes and stage results kept between frames
-    bool debug = false;                                  ///< GL debug output; an error ends the render
+    std::size_t gpu_cache_bytes = std::size_t{1} << 30;     ///< meshes and stage results kept between frames
+    std::size_t host_cache_bytes = std::size_t{512} << 20;  ///< what is derived from meshes, kept between frames
+    bool debug = false;                                     ///< GL debug output; an error ends the render
 };
 
 struct SessionInfo {
@@ -46,8 +47,9 @@ public:
     /// Ends the running render within 300 ms, from any thread. Without one it does nothing.
     void cancel();
 
-    /// Bytes held by the caches (host, GL), for the no-growth test.
+    /// Bytes held after the last render, for the no-growth tests: mesh data and frames on the host.
     std::size_t host_bytes() const;
+    /// The same for all that lies on the GL.
     std::size_t gpu_bytes() const;
 
     void close();

@@ -52,7 +52,7 @@ DrawState sorting_state(EdgeOrder order) {
     return state;
 }
 
-std::shared_ptr<const EdgeDistanceMap> draw_edge_distance_map(Engine& engine, const MapEdgeFinder::Result& found,
+std::shared_ptr<const EdgeDistanceMap> draw_edge_distance_map(Engine& engine, const MapEdges& found,
                                                               const LightSample& position, const DepthMap& depth_map,
                                                               const EdgeDistanceOptions& options) {
     const auto timer = engine.time_stage("edge_distance_map");
@@ -98,9 +98,8 @@ double compute_edge_depth_scale(const LightView& view) {
     return view.perspective ? std::max(view.far_ls / view.near_ls - 1, 1.0) : 1.0;
 }
 
-std::shared_ptr<const EdgeDistanceMap> render_edge_distance_map(Engine& engine, MapEdgeFinder& finder,
-                                                                const Scene& scene, const LightSample& position,
-                                                                const DepthMap& depth_map,
+std::shared_ptr<const EdgeDistanceMap> render_edge_distance_map(Engine& engine, const Scene& scene,
+                                                                const LightSample& position, const DepthMap& depth_map,
                                                                 const EdgeDistanceOptions& options) {
     const ContentKey key = KeyBuilder("edge_distance_map")
                                .add(depth_map.key)
@@ -112,8 +111,8 @@ std::shared_ptr<const EdgeDistanceMap> render_edge_distance_map(Engine& engine, 
                                .add(options.own_texel_test)
                                .key();
     auto map = engine.stages().get<EdgeDistanceMap>(key, [&] {
-        return draw_edge_distance_map(engine, finder.find(engine, scene, position, options.edges), position, depth_map,
-                                      options);
+        return draw_edge_distance_map(engine, find_map_edges(engine, scene, position, options.edges), position,
+                                      depth_map, options);
     });
     engine.count("silhouette_edges", map->silhouette_edges);
     engine.count("edge_quads", map->edge_quads);

@@ -49,7 +49,7 @@ public:
         const EdgeDistanceOptions options = edsm_edge_options(task.parameters);
         const double slope = is_thesis(task.parameters) ? kThesisSlopeFactor : kReceiverPlaneSlopeFactor;
         const auto depth_map = render_depth_map(engine, scene, position, slope);
-        const auto edge_map = render_edge_distance_map(engine, finder_, scene, position, *depth_map, options);
+        const auto edge_map = render_edge_distance_map(engine, scene, position, *depth_map, options);
         const auto bind = [&] {
             depth_map->texture->bind(kDepthMapUnit);
             edge_map->texture->bind(kEdgeMapUnit);
@@ -66,7 +66,6 @@ public:
 
 private:
     const gl::Program* program_ = nullptr;
-    MapEdgeFinder finder_;
     ResolvePass resolve_;
 };
 

@@ -128,22 +128,21 @@ bool make_quad(const LightView& view, glm::dvec4 start_lc, glm::dvec4 end_lc, gl
     return true;
 }
 
-ExtendedQuadFinder::Result ExtendedQuadFinder::find(Engine& engine, const Scene& scene, const LightSample& position) {
+ExtendedQuads find_extended_quads(Engine& engine, const Scene& scene, const LightSample& position) {
     const auto timer = engine.time_stage("silhouettes");
-    adjacency_.begin_render(engine.render_number(), kKeptRenders);
     std::set<std::uint32_t> casters;
     for (const LightView& view : position.views) casters.insert(view.casters.begin(), view.casters.end());
     const LightPoint light =
         position.directional ? LightPoint(position.to_light_ws, 0.0) : LightPoint(position.position_ws, 1.0);
     // What the light grazes from inside a solid, and what another facet carries on, borders no shadow.
     const SilhouetteOptions options{.skip_concave = true, .skip_two_sided = true};
-    Result result;
+    ExtendedQuads result;
     result.by_view.resize(position.views.size());
     for (const std::uint32_t number : casters) {
         engine.check_cancelled();
         const Instance& instance = scene.instances[number];
         const Mesh& mesh = *scene.meshes[instance.mesh];
-        const MeshEdges mesh_edges = adjacency_.get(mesh, &engine.threads());
+        const MeshEdges mesh_edges = engine.mesh_data().get_edges(mesh, &engine.threads());
         InstanceQuads item{number, {}, {}};
         item.edges = find_silhouettes(mesh, mesh_edges, instance.world_from_object, light, options, &engine.threads());
         result.silhouette_edges += std::int64_t(item.edges.size());

@@ -39,18 +39,12 @@ Extrusion find_extrusion(const EdgeFacets& facets, glm::dvec3 to_light, bool spl
 bool make_quad(const LightView& view, glm::dvec4 start_lc, glm::dvec4 end_lc, glm::dvec3 extrusion_ws,
                ExtendedQuad& quad);
 
-/// Quads of all casters for each view of a position. Adjacency is kept between frames.
-class ExtendedQuadFinder {
-public:
-    struct Result {
-        std::vector<std::vector<ExtendedQuad>> by_view;  ///< in the order of instances and of their edges
-        std::int64_t silhouette_edges = 0;               ///< found, before any view cuts them
-        std::int64_t bevelled_edges = 0;                 ///< of facets at less than 90 degrees
-    };
-    Result find(Engine& engine, const Scene& scene, const LightSample& position);
-
-private:
-    AdjacencyCache adjacency_;
+/// Quads of all casters for each view of a light sample.
+struct ExtendedQuads {
+    std::vector<std::vector<ExtendedQuad>> by_view;  ///< in the order of instances and of their edges
+    std::int64_t silhouette_edges = 0;               ///< found, before any view cuts them
+    std::int64_t bevelled_edges = 0;                 ///< of facets at less than 90 degrees
 };
+ExtendedQuads find_extended_quads(Engine& engine, const Scene& scene, const LightSample& position);
 
 }  // namespace shadow_layers

@@ -68,15 +68,16 @@ void draw_layers(Engine& engine, const gl::Program& program, const DepthMap& dep
 
 }  // namespace
 
-std::shared_ptr<const ExtendedShadowMap> ExtendedMapMaker::make(Engine& engine, const Scene& scene,
-                                                                const LightSample& position, const DepthMap& depth_map,
-                                                                const ExtendedMapOptions& options) {
+std::shared_ptr<const ExtendedShadowMap> render_extended_shadow_map(Engine& engine, const Scene& scene,
+                                                                    const LightSample& position,
+                                                                    const DepthMap& depth_map,
+                                                                    const ExtendedMapOptions& options) {
     KeyBuilder builder("extended_map");
     builder.add(depth_map.key).add(options.farthest_edge).add(options.forced);
     if (!options.forced) builder.add(options.guard_zone);
     const auto draw_forced = [&] {
         auto made = std::make_shared<ExtendedShadowMap>();
-        const MapEdgeFinder::Result found = edges_.find(
+        const MapEdges found = find_map_edges(
             engine, scene, position,
             {.silhouettes = {.skip_concave = true, .skip_two_sided = true}, .reach_texels = options.reach_texels()});
         made->silhouette_edges = found.silhouette_edges;
@@ -90,7 +91,7 @@ std::shared_ptr<const ExtendedShadowMap> ExtendedMapMaker::make(Engine& engine, 
     };
     const auto draw_extruded = [&] {
         auto made = std::make_shared<ExtendedShadowMap>();
-        const ExtendedQuadFinder::Result found = quads_.find(engine, scene, position);
+        const ExtendedQuads found = find_extended_quads(engine, scene, position);
         made->silhouette_edges = found.silhouette_edges;
         made->bevelled_edges = found.bevelled_edges;
         for (const auto& quads : found.by_view) made->edge_quads += std::int64_t(quads.size());

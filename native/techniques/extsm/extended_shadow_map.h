@@ -27,16 +27,11 @@ struct ExtendedMapOptions {
     double reach_texels() const { return kTexelDiagonal; }
 };
 
-/// Keeps adjacency and draws the maps, which are cached by the depth map's key and the options. Counts
-/// "silhouette_edges", "bevelled_edges", "edge_quads", "map_bytes".
-class ExtendedMapMaker {
-public:
-    std::shared_ptr<const ExtendedShadowMap> make(Engine& engine, const Scene& scene, const LightSample& position,
-                                                  const DepthMap& depth_map, const ExtendedMapOptions& options);
-
-private:
-    ExtendedQuadFinder quads_;
-    MapEdgeFinder edges_;
-};
+/// Cached by the depth map's key and the options. Counts "silhouette_edges", "bevelled_edges", "edge_quads",
+/// "map_bytes".
+std::shared_ptr<const ExtendedShadowMap> render_extended_shadow_map(Engine& engine, const Scene& scene,
+                                                                    const LightSample& position,
+                                                                    const DepthMap& depth_map,
+                                                                    const ExtendedMapOptions& options);
 
 }  // namespace shadow_layers

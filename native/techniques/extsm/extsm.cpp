@@ -53,7 +53,7 @@ public:
         const ExtendedMapOptions options = map_options(task.parameters);
         const auto depth_map =
             render_depth_map(engine, scene, position, options.forced ? kReceiverPlaneSlopeFactor : kPaperSlopeFactor);
-        const auto edge_map = map_maker_.make(engine, scene, position, *depth_map, options);
+        const auto edge_map = render_extended_shadow_map(engine, scene, position, *depth_map, options);
         const auto bind = [&] {
             depth_map->texture->bind(kDepthMapUnit);
             edge_map->values->bind(kEdgeMapUnit);
@@ -86,7 +86,6 @@ private:
 
     const gl::Program* program_ = nullptr;
     const gl::Program* attenuation_program_ = nullptr;
-    ExtendedMapMaker map_maker_;
     ResolvePass resolve_, attenuation_;
 };
 

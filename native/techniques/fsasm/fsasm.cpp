@@ -103,7 +103,7 @@ private:
         MapEdgeOptions options;
         options.reach_texels = 1;
         options.silhouettes.skip_concave = true;  // no border of a shadow
-        const MapEdgeFinder::Result found = finder_.find(engine, scene, position, options);
+        const MapEdges found = find_map_edges(engine, scene, position, options);
         const auto timer = engine.time_stage("silhouette_mask");
         const std::vector<float> depths = depth_map->texture->download<float>();
         std::vector<SilhouetteMask> masks;
@@ -156,7 +156,6 @@ private:
     InnerTechnique interior_;
     SamplePlaces places_;
     std::unique_ptr<HalfPlaneTable> table_;
-    MapEdgeFinder finder_;
 };
 
 std::vector<ParameterSpec> list_parameters() {

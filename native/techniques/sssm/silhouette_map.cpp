@@ -22,7 +22,7 @@ std::vector<MapEdge> shift_to_cells(std::vector<MapEdge> edges) {
     return edges;
 }
 
-std::shared_ptr<const SilhouetteMap> draw_silhouette_map(Engine& engine, const MapEdgeFinder::Result& found,
+std::shared_ptr<const SilhouetteMap> draw_silhouette_map(Engine& engine, const MapEdges& found,
                                                          const DepthMap& depth_map) {
     const auto timer = engine.time_stage("silhouette_map");
     const gl::Texture& depth_tx = *depth_map.texture;
@@ -53,14 +53,14 @@ std::shared_ptr<const SilhouetteMap> draw_silhouette_map(Engine& engine, const M
 
 }  // namespace
 
-std::shared_ptr<const SilhouetteMap> render_silhouette_map(Engine& engine, MapEdgeFinder& finder, const Scene& scene,
+std::shared_ptr<const SilhouetteMap> render_silhouette_map(Engine& engine, const Scene& scene,
                                                            const LightSample& position, const DepthMap& depth_map) {
     MapEdgeOptions options;
     options.reach_texels = kReachTexels + 0.5;
     options.silhouettes.skip_concave = true;  // no border of a shadow
     const ContentKey key = KeyBuilder("silhouette_map").add(depth_map.key).key();
     auto map = engine.stages().get<SilhouetteMap>(
-        key, [&] { return draw_silhouette_map(engine, finder.find(engine, scene, position, options), depth_map); });
+        key, [&] { return draw_silhouette_map(engine, find_map_edges(engine, scene, position, options), depth_map); });
     engine.count("silhouette_edges", map->silhouette_edges);
     engine.count("edge_quads", map->edge_quads);
     engine.count("map_bytes", std::int64_t(map->byte_size()));

@@ -25,7 +25,7 @@ public:
         const LightSample& position = task.positions.front();
         const Scene& scene = *task.frame.scene;
         const auto depth_map = render_depth_map(engine, scene, position);
-        const auto silhouette_map = render_silhouette_map(engine, finder_, scene, position, *depth_map);
+        const auto silhouette_map = render_silhouette_map(engine, scene, position, *depth_map);
         const auto bind = [&] {
             depth_map->texture->bind(kDepthMapUnit);
             silhouette_map->texture->bind(kEdgeMapUnit);
@@ -40,7 +40,6 @@ public:
 
 private:
     const gl::Program* program_ = nullptr;
-    MapEdgeFinder finder_;
     ResolvePass resolve_;
 };
 

@@ -21,12 +21,9 @@ public:
     void prepare(Engine&, const ParameterValues&) override {}
 
     void render(Engine& engine, const LightTask& task, LayerOutputs& outputs) override {
-        VolumeCounter counter(engine, adjacency_, task.frame, task.light, task.positions.front());
+        VolumeCounter counter(engine, task.frame, task.light, task.positions.front());
         outputs.set("visibility", Image{task.frame.width, task.frame.height, 1, counter.compute_visibility()});
     }
-
-private:
-    AdjacencyCache adjacency_;
 };
 
 }  // namespace

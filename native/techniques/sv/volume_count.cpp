@@ -21,10 +21,8 @@ constexpr double kDoubleError = 4e-15;
 
 }  // namespace
 
-VolumeCounter::VolumeCounter(Engine& engine, AdjacencyCache& adjacency, const Frame& frame, const Light& light,
-                             const LightSample& position)
+VolumeCounter::VolumeCounter(Engine& engine, const Frame& frame, const Light& light, const LightSample& position)
     : engine_(engine),
-      cache_(adjacency),
       frame_(frame),
       light_(light),
       position_(position),
@@ -95,7 +93,8 @@ void VolumeCounter::count_bytes() {
 void VolumeCounter::draw_instance(std::uint32_t instance) {
     engine_.check_cancelled();
     const std::uint32_t mesh = frame_.scene->instances[instance].mesh;
-    if (!edges_.contains(mesh)) edges_[mesh] = cache_.get(*frame_.scene->meshes[mesh], &engine_.threads());
+    if (!edges_.contains(mesh))
+        edges_[mesh] = engine_.mesh_data().get_edges(*frame_.scene->meshes[mesh], &engine_.threads());
     const CasterVolumes volumes(frame_, position_, picture_, instance, edges_.at(mesh), engine_.threads());
     engine_.count("silhouette_edges", std::int64_t(volumes.side_count()));
     for (std::size_t begin = 0; begin < volumes.size();) {

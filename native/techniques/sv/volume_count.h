@@ -19,8 +19,7 @@ namespace shadow_layers {
 /// inside of volumes and of solids.
 class VolumeCounter {
 public:
-    VolumeCounter(Engine& engine, AdjacencyCache& adjacency, const Frame& frame, const Light& light,
-                  const LightSample& position);
+    VolumeCounter(Engine& engine, const Frame& frame, const Light& light, const LightSample& position);
 
     /// 1 = the light reaches the receiver, by pixel; by lights/facing.h where no caster decides.
     /// Counts "receivers", "list_bytes", "silhouette_edges", "volume_quads" and "cap_triangles" (of those that the
@@ -42,7 +41,6 @@ private:
     bool is_own_plane(const VolumePolygon& polygon, std::size_t pixel) const;
 
     Engine& engine_;
-    AdjacencyCache& cache_;
     const Frame& frame_;
     const Light& light_;
     const LightSample& position_;
