@@ -14,17 +14,17 @@ ParameterSpec map_size_parameter() {
         .shared();
 }
 
-TechniqueNeeds map_needs(const ParameterValues& values, int reach_texels) {
+TechniqueNeeds map_needs(const ParameterValues& values) { return map_needs_with_margin(values, 0); }
+
+TechniqueNeeds map_needs_with_margin(const ParameterValues& values, int margin_texels) {
     TechniqueNeeds needs;
     needs.map_size = int(values.get_int("map_size"));
-    needs.map_border_texels = kFootprintBorderTexels + reach_texels;
+    needs.map_border_texels = kFootprintBorderTexels + margin_texels;
     return needs;
 }
 
-std::vector<LightKind> all_light_kinds() {
-    return {LightKind::Sun, LightKind::Spot, LightKind::Point, LightKind::Area};
-}
+std::vector<LightKind> all_light_kinds() { return TechniqueDescriptor().lights; }
 
-std::vector<OutputSpec> visibility_output() { return {{"visibility", "", 1, "1 = lit, 0 = in shadow"}}; }
+std::vector<OutputSpec> visibility_output() { return TechniqueDescriptor().outputs; }
 
 }  // namespace shadow_layers

@@ -15,7 +15,9 @@ std::vector<OutputSpec> visibility_output();
 /// so that they share views and depth maps.
 inline constexpr int kFootprintBorderTexels = 2;
 
-/// What a technique on maps of `map_size` needs; `reach_texels`: how far its lookups go beyond their 2 x 2 footprint.
-TechniqueNeeds map_needs(const ParameterValues& values, int reach_texels = 0);
+/// What a technique on maps of `map_size` needs whose lookups stay in their 2 x 2 footprint, or go `margin_texels`
+/// beyond it on each side.
+TechniqueNeeds map_needs(const ParameterValues& values);
+TechniqueNeeds map_needs_with_margin(const ParameterValues& values, int margin_texels);
 
 }  // namespace shadow_layers

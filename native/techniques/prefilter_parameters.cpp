@@ -51,6 +51,12 @@ std::vector<ParameterSpec> prefilter_parameters(std::vector<ParameterSpec> own) 
     return all;
 }
 
+ParameterSpec bleed_reduction_parameter(double default_value) {
+    return float_parameter("bleed_reduction", "Bleed Reduction", default_value)
+        .range(0, 0.95)
+        .help("Bounds up to this become full shadow: less light bleeds in, and borders get darker and sharper");
+}
+
 bool has_16_bits(const ParameterValues& values) { return values.get_enum("bits") == "16"; }
 
 MomentMapOptions prefilter_options(const ParameterValues& values) {
@@ -69,7 +75,7 @@ gl::Defines prefilter_defines(const ParameterValues& values) {
 }
 
 TechniqueNeeds prefilter_needs(const ParameterValues& values) {
-    return map_needs(values, find_reach_texels(prefilter_options(values)));
+    return map_needs_with_margin(values, find_reach_texels(prefilter_options(values)));
 }
 
 TruthSpec prefilter_truth(const ParameterValues& values) {

@@ -15,6 +15,9 @@ namespace shadow_layers {
 /// 16 per component); `own` follow.
 std::vector<ParameterSpec> prefilter_parameters(std::vector<ParameterSpec> own);
 
+/// What several of them have among their own.
+ParameterSpec bleed_reduction_parameter(double default_value);
+
 /// What those parameters say; encoding, format and exponents are the technique's to fill in.
 MomentMapOptions prefilter_options(const ParameterValues& values);
 bool has_16_bits(const ParameterValues& values);

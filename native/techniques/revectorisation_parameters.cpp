@@ -54,7 +54,7 @@ RevectoriseSettings revectorise_settings(const ParameterValues& values, bool exi
 }
 
 TechniqueNeeds revectorisation_needs(const ParameterValues& values) {
-    return map_needs(values, int(values.get_int("walk_limit")));
+    return map_needs_with_margin(values, int(values.get_int("walk_limit")));
 }
 
 }  // namespace shadow_layers

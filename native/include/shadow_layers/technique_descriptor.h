@@ -21,6 +21,8 @@ struct OutputSpec {
     std::string help;
 };
 
+inline OutputSpec describe_visibility() { return {"visibility", "", 1, "1 = lit, 0 = in shadow"}; }
+
 /// How positions are spread over a light's shape.
 enum class LightPattern : std::uint8_t {
     Sequence,  ///< additive sequence: even at any count
@@ -54,23 +56,24 @@ struct TruthSpec {
     double footprint_world = 0;   ///< Filtered: if not 0, side of the square in scene units on the receiver's plane
 };
 
-/// A technique as data: everything that the rest of the product knows of it.
+/// A technique as data: everything that the rest of the product knows of it. The defaults are what most techniques
+/// have, so that a descriptor names only what is its own.
 struct TechniqueDescriptor {
-    std::string id;         ///< lower case; names folder, shaders, passes, docs page, benchmark row
-    std::string label;      ///< short name for menus
-    std::string summary;    ///< one sentence
-    std::string reference;  ///< bib key and section in docs/references.bib
-    std::vector<ParameterSpec> parameters;
-    std::vector<OutputSpec> outputs;  ///< outputs[0].id == "visibility"
-    std::vector<LightKind> lights;    ///< kinds served
-    std::string meshes;               ///< what casters must be like, in a few words: "any", "closed", ...
-    std::string limits;               ///< one sentence: when it fails
-    bool test_only = false;           ///< not offered to users (probe)
-    std::function<TechniqueNeeds(const ParameterValues&)> needs;
+    std::string id{};         ///< lower case; names folder, shaders, passes, docs page, benchmark row
+    std::string label{};      ///< short name for menus
+    std::string summary{};    ///< one sentence
+    std::string reference{};  ///< bib key and section in docs/references.bib
+    std::string limits{};     ///< one sentence: when it fails
+    std::vector<ParameterSpec> parameters{};
+    std::vector<OutputSpec> outputs = {describe_visibility()};  ///< outputs[0].id == "visibility"
+    std::vector<LightKind> lights = {LightKind::Sun, LightKind::Spot, LightKind::Point, LightKind::Area};  ///< served
+    std::string meshes = "any";  ///< what casters must be like, in a few words: "any", "closed", ...
+    bool test_only = false;      ///< not offered to users (probe)
+    std::function<TechniqueNeeds(const ParameterValues&)> needs{};
     /// What the layer approximates; empty: the hard mask.
-    std::function<TruthSpec(const ParameterValues&)> truth;
+    std::function<TruthSpec(const ParameterValues&)> truth{};
     /// Throws InputError, made by `refuse_parameter`, for values that are wrong only together; may be empty.
-    std::function<void(const ParameterValues&)> check;
+    std::function<void(const ParameterValues&)> check{};
 };
 
 /// Fills in defaults and checks `given`, each value alone and then all together: InputError names technique, parameter,

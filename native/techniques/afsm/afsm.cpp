@@ -82,26 +82,24 @@ glm::dvec2 get_afsm_offset(int index, int count) {
 }
 
 TechniqueDescriptor describe_afsm() {
-    TechniqueDescriptor d;
-    d.id = "afsm";
-    d.label = "Alias-Free";
-    d.summary =
-        "Alias-free shadow maps: texels list the receivers, each is tested exactly against the casters drawn there";
-    d.reference = "Aila04";
-    d.parameters = {map_size_parameter(),
-                    int_parameter("samples", "Samples", 1)
-                        .range(1, 64)
-                        .unit("per pixel")
-                        .help("Places in the pixel that are tested and averaged; 1 is its centre")};
-    d.outputs = visibility_output();
-    d.lights = all_light_kinds();
-    d.meshes = "any";
-    d.limits = "Many receivers in a texel, and long thin casters, cost time";
-    d.needs = [](const ParameterValues& values) { return map_needs(values); };
-    d.truth = [](const ParameterValues& values) {
-        return TruthSpec{values.get_int("samples") > 1 ? TruthKind::Pixel : TruthKind::Hard};
+    return {
+        .id = "afsm",
+        .label = "Alias-Free",
+        .summary =
+            "Alias-free shadow maps: texels list the receivers, each is tested exactly against the casters drawn there",
+        .reference = "Aila04",
+        .limits = "Many receivers in a texel, and long thin casters, cost time",
+        .parameters = {map_size_parameter(),
+                       int_parameter("samples", "Samples", 1)
+                           .range(1, 64)
+                           .unit("per pixel")
+                           .help("Places in the pixel that are tested and averaged; 1 is its centre")},
+        .needs = map_needs,
+        .truth =
+            [](const ParameterValues& values) {
+                return TruthSpec{values.get_int("samples") > 1 ? TruthKind::Pixel : TruthKind::Hard};
+            },
     };
-    return d;
 }
 
 std::unique_ptr<Technique> make_afsm() { return std::make_unique<AFSM>(); }

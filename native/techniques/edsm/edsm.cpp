@@ -109,23 +109,24 @@ EdgeDistanceOptions edsm_edge_options(const ParameterValues& values) {
 }
 
 TechniqueDescriptor describe_edsm() {
-    TechniqueDescriptor d;
-    d.id = "edsm";
-    d.label = "EDSM";
-    d.summary = "Edge distance shadow mapping: hard borders rebuilt from silhouette edges, finer than the map's texels";
-    d.reference = "Kenzel13, chapters 3 and 4";
-    d.parameters = edsm_parameters();
-    d.outputs = visibility_output();
-    d.lights = all_light_kinds();
-    d.meshes = "any; where surfaces cut each other there is no edge, and the depth tests decide";
-    d.limits =
-        "Where two edges fall into one texel, or a caster is thinner than one, it is no better than the shadow map";
-    d.needs = [](const ParameterValues& values) {
-        // The soft kernel sees edges as far as their quads reach, and asks the map beside them.
-        const bool soft = values.get_float("softness") > 0;
-        return map_needs(values, soft ? int(std::ceil(edsm_edge_options(values).edges.reach_texels)) : 0);
+    return {
+        .id = "edsm",
+        .label = "EDSM",
+        .summary =
+            "Edge distance shadow mapping: hard borders rebuilt from silhouette edges, finer than the map's texels",
+        .reference = "Kenzel13, chapters 3 and 4",
+        .limits =
+            "Where two edges fall into one texel, or a caster is thinner than one, it is no better than the shadow map",
+        .parameters = edsm_parameters(),
+        .meshes = "any; where surfaces cut each other there is no edge, and the depth tests decide",
+        .needs =
+            [](const ParameterValues& values) {
+                // The soft kernel sees edges as far as their quads reach, and asks the map beside them.
+                const bool soft = values.get_float("softness") > 0;
+                return map_needs_with_margin(values,
+                                             soft ? int(std::ceil(edsm_edge_options(values).edges.reach_texels)) : 0);
+            },
     };
-    return d;
 }
 
 std::unique_ptr<Technique> make_edsm() { return std::make_unique<EDSM>(); }

@@ -218,30 +218,29 @@ std::vector<ParameterSpec> edtsm_parameters() {
 }  // namespace
 
 TechniqueDescriptor describe_edtsm() {
-    TechniqueDescriptor d;
-    d.id = "edtsm";
-    d.label = "EDTSM";
-    d.summary = "Penumbrae by the exact distance to a rebuilt hard border, free of banding";
-    d.reference = "Macedo17";
-    d.parameters = edtsm_parameters();
-    d.outputs = visibility_output();
-    d.lights = all_light_kinds();
-    d.meshes = "any";
-    d.limits = "Knows few borders at a time, and only those that the camera sees";
-    d.needs = [](const ParameterValues& values) {
-        const Source source = make_source(values);
-        TechniqueNeeds needs = find_inner_needs(source.technique, source.parameters);
-        needs.map_border_texels = std::max(needs.map_border_texels, kFootprintBorderTexels + kGapReachTexels);
-        needs.overscan_px += int(values.get_int("overscan"));
-        return needs;
+    return {
+        .id = "edtsm",
+        .label = "EDTSM",
+        .summary = "Penumbrae by the exact distance to a rebuilt hard border, free of banding",
+        .reference = "Macedo17",
+        .limits = "Knows few borders at a time, and only those that the camera sees",
+        .parameters = edtsm_parameters(),
+        .needs =
+            [](const ParameterValues& values) {
+                const Source source = make_source(values);
+                TechniqueNeeds needs = find_inner_needs(source.technique, source.parameters);
+                needs.map_border_texels = std::max(needs.map_border_texels, kFootprintBorderTexels + kGapReachTexels);
+                needs.overscan_px += int(values.get_int("overscan"));
+                return needs;
+            },
+        .truth = [](const ParameterValues& values) -> TruthSpec {
+            if (values.get_enum("penumbra_from") == "light") return {.kind = TruthKind::Soft};
+            // A width in pixels is another one in the scene at each pixel: what holds everywhere is the hard border
+            // inside.
+            if (values.get_enum("metric") == "screen") return {};
+            return {.kind = TruthKind::Filtered, .footprint_world = values.get_float("penumbra")};
+        },
     };
-    d.truth = [](const ParameterValues& values) -> TruthSpec {
-        if (values.get_enum("penumbra_from") == "light") return {.kind = TruthKind::Soft};
-        // A width in pixels is another one in the scene at each pixel: what holds everywhere is the hard border inside.
-        if (values.get_enum("metric") == "screen") return {};
-        return {.kind = TruthKind::Filtered, .footprint_world = values.get_float("penumbra")};
-    };
-    return d;
 }
 
 std::unique_ptr<Technique> make_edtsm() { return std::make_unique<EDTSM>(); }

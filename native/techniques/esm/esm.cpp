@@ -7,8 +7,7 @@
 // the footprint lie behind the receiver.
 #include "techniques/esm/esm.h"
 
-#include "stages/moment_resolve.h"
-#include "techniques/common_parameters.h"
+#include "techniques/filtered_map.h"
 #include "techniques/parameter_builder.h"
 #include "techniques/prefilter_parameters.h"
 
@@ -25,59 +24,38 @@ double find_exponent(const ParameterValues& values) {
     return choose_exponent(values, "exponent", kAutomatic, kAutomatic16) / kNearToFar;
 }
 
-MomentMapOptions esm_options(const ParameterValues& values) {
-    MomentMapOptions options = prefilter_options(values);
-    options.encode = "encode_exponential";
-    options.format = has_16_bits(values) ? GL_R16F : GL_R32F;
-    options.exponents = glm::dvec2(find_exponent(values), 0);
-    return options;
+TexelEncoding get_encoding(const ParameterValues& values) {
+    return {.encode = "encode_exponential",
+            .format = GLenum(has_16_bits(values) ? GL_R16F : GL_R32F),
+            .exponents = {find_exponent(values), 0}};
 }
 
-class ESM final : public Technique {
-public:
-    void prepare(Engine& engine, const ParameterValues& parameters) override {
-        gl::Defines defines = prefilter_defines(parameters);
-        program_ = &engine.program("frame/fullscreen.vert", "techniques/esm/esm.frag", defines);
-    }
-
-    void render(Engine& engine, const LightTask& task, LayerOutputs& outputs) override {
-        const auto set_uniforms = [&] { program_->set("u_exponent", float(find_exponent(task.parameters))); };
-        outputs.set("visibility", pass_.run(engine, task.frame, task.light, task.positions.front(),
-                                            esm_options(task.parameters), *program_, set_uniforms));
-    }
-
-private:
-    const gl::Program* program_ = nullptr;
-    MomentResolvePass pass_;
-};
-
-std::vector<ParameterSpec> esm_parameters() {
-    return prefilter_parameters({
-        float_parameter("exponent", "Exponent", 0)
-            .range(0, kMostExponent)
-            .help("How steeply the test falls over the view's depth; 0: 80, or 19 with 16 bits"),
-    });
+void set_uniforms(const gl::Program& program, const ParameterValues& values) {
+    program.set("u_exponent", float(find_exponent(values)));
 }
 
 }  // namespace
 
 TechniqueDescriptor describe_esm() {
-    TechniqueDescriptor d;
-    d.id = "esm";
-    d.label = "ESM";
-    d.summary = "Exponential shadow maps: the depth test as an exponential that can be filtered beforehand";
-    d.reference = "Annen08";
-    d.limits = "Light leaks at contacts, and where the footprint holds surfaces behind the receiver";
-    d.parameters = esm_parameters();
-    d.outputs = visibility_output();
-    d.lights = all_light_kinds();
-    d.meshes = "any";
-    d.needs = prefilter_needs;
-    d.truth = prefilter_truth;
-    d.check = [](const ParameterValues& values) { check_exponent("esm", "exponent", values, kMostExponent16); };
-    return d;
+    return describe_filtered_map({
+        .id = "esm",
+        .label = "ESM",
+        .summary = "Exponential shadow maps: the depth test as an exponential that can be filtered beforehand",
+        .reference = "Annen08",
+        .limits = "Light leaks at contacts, and where the footprint holds surfaces behind the receiver",
+        .parameters =
+            {
+                float_parameter("exponent", "Exponent", 0)
+                    .range(0, kMostExponent)
+                    .help("How steeply the test falls over the view's depth; 0: 80, or 19 with 16 bits"),
+            },
+        .check = [](const ParameterValues& values) { check_exponent("esm", "exponent", values, kMostExponent16); },
+    });
 }
 
-std::unique_ptr<Technique> make_esm() { return std::make_unique<ESM>(); }
+std::unique_ptr<Technique> make_esm() {
+    return make_filtered_map(
+        {.shader = "techniques/esm/esm.frag", .get_encoding = get_encoding, .set_uniforms = set_uniforms});
+}
 
 }  // namespace shadow_layers

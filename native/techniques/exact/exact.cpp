@@ -32,19 +32,16 @@ private:
 }  // namespace
 
 TechniqueDescriptor describe_exact() {
-    TechniqueDescriptor d;
-    d.id = "exact";
-    d.label = "Exact";
-    d.summary = "Exact hard shadows: every receiver is tested against the triangles that may shadow it";
-    d.reference = "Aila04";
-    // Here the size bounds the tiles that receivers are sorted into; it changes the time, never the picture.
-    d.parameters = {map_size_parameter()};
-    d.outputs = visibility_output();
-    d.lights = all_light_kinds();
-    d.meshes = "any";
-    d.limits = "Long thin casters over many receivers cost time";
-    d.needs = [](const ParameterValues& values) { return map_needs(values); };
-    return d;
+    return {
+        .id = "exact",
+        .label = "Exact",
+        .summary = "Exact hard shadows: every receiver is tested against the triangles that may shadow it",
+        .reference = "Aila04",
+        .limits = "Long thin casters over many receivers cost time",
+        // Here the size bounds the tiles that receivers are sorted into; it changes the time, never the picture.
+        .parameters = {map_size_parameter()},
+        .needs = map_needs,
+    };
 }
 
 std::unique_ptr<Technique> make_exact() { return std::make_unique<Exact>(); }

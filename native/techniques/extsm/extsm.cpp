@@ -118,19 +118,19 @@ std::vector<ParameterSpec> extsm_parameters() {
 }  // namespace
 
 TechniqueDescriptor describe_extsm() {
-    TechniqueDescriptor d;
-    d.id = "extsm";
-    d.label = "Extended Map";
-    d.summary = "Extended shadow maps: quads along silhouette edges store distances of 8 bits that straighten borders";
-    d.reference = "Bujnak04";
-    d.parameters = extsm_parameters();
-    d.outputs = visibility_output();
-    d.outputs.push_back({"intensity", "Intensity", 1, "Visibility times the attenuation with distance"});
-    d.lights = all_light_kinds();
-    d.meshes = "any; where surfaces cut each other there is no edge, and the depth tests decide";
-    d.limits = "As the paper reads, shadows are most of a texel too wide; where edges cross in a texel, one is lost";
-    d.needs = [](const ParameterValues& values) { return map_needs(values); };
-    return d;
+    return {
+        .id = "extsm",
+        .label = "Extended Map",
+        .summary =
+            "Extended shadow maps: quads along silhouette edges store distances of 8 bits that straighten borders",
+        .reference = "Bujnak04",
+        .limits = "As the paper reads, shadows are most of a texel too wide; where edges cross in a texel, one is lost",
+        .parameters = extsm_parameters(),
+        .outputs = {describe_visibility(),
+                    {"intensity", "Intensity", 1, "Visibility times the attenuation with distance"}},
+        .meshes = "any; where surfaces cut each other there is no edge, and the depth tests decide",
+        .needs = map_needs,
+    };
 }
 
 std::unique_ptr<Technique> make_extsm() { return std::make_unique<ExtSM>(); }

@@ -188,25 +188,23 @@ std::vector<ParameterSpec> list_parameters() {
 }  // namespace
 
 TechniqueDescriptor describe_fsasm() {
-    TechniqueDescriptor d;
-    d.id = "fsasm";
-    d.label = "Sub-Pixel";
-    d.summary = "Sub-pixel shadow maps: near silhouettes masks of samples tell which part of a pixel is lit";
-    d.reference = "Pan09";
-    d.parameters = list_parameters();
-    d.outputs = visibility_output();
-    d.lights = all_light_kinds();
-    d.meshes = "any";
-    d.limits = "A pixel is taken as flat: where surfaces bend within it, samples are lost or shadows are a bit off";
-    d.truth = [](const ParameterValues&) { return TruthSpec{TruthKind::Pixel}; };
-    d.needs = [](const ParameterValues& values) {
-        ParameterValues given = values;
-        given.set("map_size", get_map_size(values));
-        TechniqueNeeds needs = map_needs(given);
-        needs.overscan_px = 1;  // facets reach past the pixels whose centres the views are fitted to
-        return needs;
+    return {
+        .id = "fsasm",
+        .label = "Sub-Pixel",
+        .summary = "Sub-pixel shadow maps: near silhouettes masks of samples tell which part of a pixel is lit",
+        .reference = "Pan09",
+        .limits = "A pixel is taken as flat: where surfaces bend within it, samples are lost or shadows are a bit off",
+        .parameters = list_parameters(),
+        .needs =
+            [](const ParameterValues& values) {
+                ParameterValues given = values;
+                given.set("map_size", get_map_size(values));
+                TechniqueNeeds needs = map_needs(given);
+                needs.overscan_px = 1;  // facets reach past the pixels whose centres the views are fitted to
+                return needs;
+            },
+        .truth = [](const ParameterValues&) { return TruthSpec{TruthKind::Pixel}; },
     };
-    return d;
 }
 
 std::unique_ptr<Technique> make_fsasm() { return std::make_unique<FSASM>(); }

@@ -8,8 +8,7 @@
 // Fails: some light leaks into shadows of three casters and more at different depths; contacts leak by the bias.
 #include "techniques/msm/msm.h"
 
-#include "stages/moment_resolve.h"
-#include "techniques/common_parameters.h"
+#include "techniques/filtered_map.h"
 #include "techniques/parameter_builder.h"
 #include "techniques/prefilter_parameters.h"
 
@@ -25,37 +24,18 @@ double find_moment_bias(const ParameterValues& values) {
     return given > 0 ? given : has_16_bits(values) ? kBias16 : kBias32;
 }
 
-MomentMapOptions msm_options(const ParameterValues& values) {
-    MomentMapOptions options = prefilter_options(values);
-    options.encode = has_16_bits(values) ? "encode_moments_fixed" : "encode_moments";
-    options.format = has_16_bits(values) ? GL_RGBA16 : GL_RGBA32F;
-    return options;
+TexelEncoding get_encoding(const ParameterValues& values) {
+    if (has_16_bits(values)) return {.encode = "encode_moments_fixed", .format = GL_RGBA16, .fixed_point = true};
+    return {.encode = "encode_moments", .format = GL_RGBA32F};
 }
 
-class MSM final : public Technique {
-public:
-    void prepare(Engine& engine, const ParameterValues& parameters) override {
-        gl::Defines defines = prefilter_defines(parameters);
-        defines.emplace("FIXED_POINT", has_16_bits(parameters) ? "1" : "0");
-        program_ = &engine.program("frame/fullscreen.vert", "techniques/msm/msm.frag", defines);
-    }
+void set_uniforms(const gl::Program& program, const ParameterValues& values) {
+    program.set("u_moment_bias", float(find_moment_bias(values)));
+    program.set("u_bleed_reduction", float(values.get_float("bleed_reduction")));
+}
 
-    void render(Engine& engine, const LightTask& task, LayerOutputs& outputs) override {
-        const auto set_uniforms = [&] {
-            program_->set("u_moment_bias", float(find_moment_bias(task.parameters)));
-            program_->set("u_bleed_reduction", float(task.parameters.get_float("bleed_reduction")));
-        };
-        outputs.set("visibility", pass_.run(engine, task.frame, task.light, task.positions.front(),
-                                            msm_options(task.parameters), *program_, set_uniforms));
-    }
-
-private:
-    const gl::Program* program_ = nullptr;
-    MomentResolvePass pass_;
-};
-
-std::vector<ParameterSpec> msm_parameters() {
-    return prefilter_parameters({
+std::vector<ParameterSpec> list_own_parameters() {
+    return {
         float_parameter("moment_bias", "Moment Bias", 0)
             .range(0, 10000)
             .unit("ppm")
@@ -63,27 +43,25 @@ std::vector<ParameterSpec> msm_parameters() {
         float_parameter("bleed_reduction", "Bleed Reduction", 0.02)
             .range(0, 0.95)
             .help("Scales the shadow by 1 / (1 - this), so that what the bound leaves of full shadow does not show"),
-    });
+    };
 }
 
 }  // namespace
 
 TechniqueDescriptor describe_msm() {
-    TechniqueDescriptor d;
-    d.id = "msm";
-    d.label = "MSM";
-    d.summary = "Moment shadow maps: four filtered moments of depth give the least that can block a footprint";
-    d.reference = "Peters15";
-    d.limits = "Some light leaks into shadows of three or more casters, and at contacts by the slope's bias";
-    d.parameters = msm_parameters();
-    d.outputs = visibility_output();
-    d.lights = all_light_kinds();
-    d.meshes = "any";
-    d.needs = prefilter_needs;
-    d.truth = prefilter_truth;
-    return d;
+    return describe_filtered_map({
+        .id = "msm",
+        .label = "MSM",
+        .summary = "Moment shadow maps: four filtered moments of depth give the least that can block a footprint",
+        .reference = "Peters15",
+        .limits = "Some light leaks into shadows of three or more casters, and at contacts by the slope's bias",
+        .parameters = list_own_parameters(),
+    });
 }
 
-std::unique_ptr<Technique> make_msm() { return std::make_unique<MSM>(); }
+std::unique_ptr<Technique> make_msm() {
+    return make_filtered_map(
+        {.shader = "techniques/msm/msm.frag", .get_encoding = get_encoding, .set_uniforms = set_uniforms});
+}
 
 }  // namespace shadow_layers

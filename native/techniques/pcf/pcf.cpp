@@ -100,19 +100,16 @@ TruthSpec pcf_truth(const ParameterValues& values) {
 }  // namespace
 
 TechniqueDescriptor describe_pcf() {
-    TechniqueDescriptor d;
-    d.id = "pcf";
-    d.label = "PCF";
-    d.summary = "Percentage-closer filtering: the mean of k x k depth tests, for softened borders";
-    d.reference = "Reeves87";
-    d.parameters = pcf_parameters();
-    d.outputs = visibility_output();
-    d.lights = all_light_kinds();
-    d.meshes = "any";
-    d.limits = "The border's width follows the map's texels, not the light's size";
-    d.needs = [](const ParameterValues& values) { return map_needs(values, window_reach(values)); };
-    d.truth = pcf_truth;
-    return d;
+    return {
+        .id = "pcf",
+        .label = "PCF",
+        .summary = "Percentage-closer filtering: the mean of k x k depth tests, for softened borders",
+        .reference = "Reeves87",
+        .limits = "The border's width follows the map's texels, not the light's size",
+        .parameters = pcf_parameters(),
+        .needs = [](const ParameterValues& values) { return map_needs_with_margin(values, window_reach(values)); },
+        .truth = pcf_truth,
+    };
 }
 
 std::unique_ptr<Technique> make_pcf() { return std::make_unique<PCF>(); }

@@ -40,19 +40,17 @@ private:
 }  // namespace
 
 TechniqueDescriptor describe_rpcf_rsmss() {
-    TechniqueDescriptor d;
-    d.id = "rpcf_rsmss";
-    d.label = "RPCF + RSMSS";
-    d.summary = "Revectorised percentage-closer filtering: the mean of k x k smoothed revectorised shadows";
-    d.reference = "Macedo16, section 3.4";
-    d.parameters = revectorised_filter_parameters({channels_parameter()});
-    d.outputs = visibility_output();
-    d.lights = all_light_kinds();
-    d.meshes = "any";
-    d.limits = "The border's width follows the map's texels, not the light's size";
-    d.needs = [](const ParameterValues& values) { return map_needs(values, read_settings(values).reach()); };
-    d.truth = revectorised_filter_truth;
-    return d;
+    return {
+        .id = "rpcf_rsmss",
+        .label = "RPCF + RSMSS",
+        .summary = "Revectorised percentage-closer filtering: the mean of k x k smoothed revectorised shadows",
+        .reference = "Macedo16, section 3.4",
+        .limits = "The border's width follows the map's texels, not the light's size",
+        .parameters = revectorised_filter_parameters({channels_parameter()}),
+        .needs =
+            [](const ParameterValues& values) { return map_needs_with_margin(values, read_settings(values).reach()); },
+        .truth = revectorised_filter_truth,
+    };
 }
 
 std::unique_ptr<Technique> make_rpcf_rsmss() { return std::make_unique<RPCFOfRSMSS>(); }

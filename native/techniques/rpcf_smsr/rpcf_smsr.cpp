@@ -32,21 +32,19 @@ private:
 }  // namespace
 
 TechniqueDescriptor describe_rpcf_smsr() {
-    TechniqueDescriptor d;
-    d.id = "rpcf_smsr";
-    d.label = "RPCF + SMSR";
-    d.summary = "Revectorised percentage-closer filtering: the mean of k x k hard revectorised shadows";
-    d.reference = "Macedo16, section 3.4";
-    d.parameters = revectorised_filter_parameters({});
-    d.outputs = visibility_output();
-    d.lights = all_light_kinds();
-    d.meshes = "any";
-    d.limits = "Shadows are half a texel too large; a small kernel shows bands";
-    d.needs = [](const ParameterValues& values) {
-        return map_needs(values, revectorised_filter_settings(values).reach());
+    return {
+        .id = "rpcf_smsr",
+        .label = "RPCF + SMSR",
+        .summary = "Revectorised percentage-closer filtering: the mean of k x k hard revectorised shadows",
+        .reference = "Macedo16, section 3.4",
+        .limits = "Shadows are half a texel too large; a small kernel shows bands",
+        .parameters = revectorised_filter_parameters({}),
+        .needs =
+            [](const ParameterValues& values) {
+                return map_needs_with_margin(values, revectorised_filter_settings(values).reach());
+            },
+        .truth = revectorised_filter_truth,
     };
-    d.truth = revectorised_filter_truth;
-    return d;
 }
 
 std::unique_ptr<Technique> make_rpcf_smsr() { return std::make_unique<RPCFOfSMSR>(); }

@@ -55,19 +55,17 @@ TruthSpec rsmss_truth(const ParameterValues& values) {
 }  // namespace
 
 TechniqueDescriptor describe_rsmss() {
-    TechniqueDescriptor d;
-    d.id = "rsmss";
-    d.label = "RSMSS";
-    d.summary = "Revectorised shadows with smoothed borders: a ramp one texel wide along lines instead of texel steps";
-    d.reference = "Macedo16, 3.3";
-    d.parameters = rsmss_parameters();
-    d.outputs = visibility_output();
-    d.lights = all_light_kinds();
-    d.meshes = "any";
-    d.limits = "The ramp is a texel wide, whatever the light; borders at 30 to 60 degrees to the map stay stepped";
-    d.needs = revectorisation_needs;
-    d.truth = rsmss_truth;
-    return d;
+    return {
+        .id = "rsmss",
+        .label = "RSMSS",
+        .summary =
+            "Revectorised shadows with smoothed borders: a ramp one texel wide along lines instead of texel steps",
+        .reference = "Macedo16, 3.3",
+        .limits = "The ramp is a texel wide, whatever the light; borders at 30 to 60 degrees to the map stay stepped",
+        .parameters = rsmss_parameters(),
+        .needs = revectorisation_needs,
+        .truth = rsmss_truth,
+    };
 }
 
 std::unique_ptr<Technique> make_rsmss() { return std::make_unique<RSMSS>(); }

@@ -38,18 +38,15 @@ private:
 }  // namespace
 
 TechniqueDescriptor describe_sm() {
-    TechniqueDescriptor d;
-    d.id = "sm";
-    d.label = "Shadow Map";
-    d.summary = "Standard shadow mapping: one depth test per pixel, without a bias to tune";
-    d.reference = "Williams78";
-    d.parameters = {map_size_parameter()};
-    d.outputs = visibility_output();
-    d.lights = all_light_kinds();
-    d.meshes = "any";
-    d.limits = "Borders are stepped by the map's texels; casters thinner than a texel break up";
-    d.needs = [](const ParameterValues& values) { return map_needs(values); };
-    return d;
+    return {
+        .id = "sm",
+        .label = "Shadow Map",
+        .summary = "Standard shadow mapping: one depth test per pixel, without a bias to tune",
+        .reference = "Williams78",
+        .limits = "Borders are stepped by the map's texels; casters thinner than a texel break up",
+        .parameters = {map_size_parameter()},
+        .needs = map_needs,
+    };
 }
 
 std::unique_ptr<Technique> make_sm() { return std::make_unique<SM>(); }

@@ -36,19 +36,17 @@ private:
 }  // namespace
 
 TechniqueDescriptor describe_smsr() {
-    TechniqueDescriptor d;
-    d.id = "smsr";
-    d.label = "SMSR";
-    d.summary = "Shadow map silhouette revectorisation: hard shadows whose borders run in lines instead of texel steps";
-    d.reference = "Macedo16, 3.2";
-    d.parameters = revectorisation_parameters({hard_border_parameter()});
-    d.outputs = visibility_output();
-    d.lights = all_light_kinds();
-    d.meshes = "any";
-    d.limits =
-        "Borders are half a texel too dark, but in mode half; details of a texel's size vanish or turn to points";
-    d.needs = revectorisation_needs;
-    return d;
+    return {
+        .id = "smsr",
+        .label = "SMSR",
+        .summary =
+            "Shadow map silhouette revectorisation: hard shadows whose borders run in lines instead of texel steps",
+        .reference = "Macedo16, 3.2",
+        .limits =
+            "Borders are half a texel too dark, but in mode half; details of a texel's size vanish or turn to points",
+        .parameters = revectorisation_parameters({hard_border_parameter()}),
+        .needs = revectorisation_needs,
+    };
 }
 
 std::unique_ptr<Technique> make_smsr() { return std::make_unique<SMSR>(); }

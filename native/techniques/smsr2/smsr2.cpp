@@ -86,18 +86,15 @@ private:
 }  // namespace
 
 TechniqueDescriptor describe_smsr2() {
-    TechniqueDescriptor d;
-    d.id = "smsr2";
-    d.label = "Two-Pass SMSR";
-    d.summary = "The two-pass original of SMSR: a picture of discontinuities first, then the walks over it";
-    d.reference = "Bondarev14";
-    d.parameters = revectorisation_parameters({hard_border_parameter()});
-    d.outputs = visibility_output();
-    d.lights = all_light_kinds();
-    d.meshes = "any";
-    d.limits = "As SMSR; where surfaces of different height share a texel, each pixel answers for its own";
-    d.needs = revectorisation_needs;
-    return d;
+    return {
+        .id = "smsr2",
+        .label = "Two-Pass SMSR",
+        .summary = "The two-pass original of SMSR: a picture of discontinuities first, then the walks over it",
+        .reference = "Bondarev14",
+        .limits = "As SMSR; where surfaces of different height share a texel, each pixel answers for its own",
+        .parameters = revectorisation_parameters({hard_border_parameter()}),
+        .needs = revectorisation_needs,
+    };
 }
 
 std::unique_ptr<Technique> make_smsr2() { return std::make_unique<SMSR2>(); }

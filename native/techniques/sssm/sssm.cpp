@@ -46,18 +46,16 @@ private:
 }  // namespace
 
 TechniqueDescriptor describe_sssm() {
-    TechniqueDescriptor d;
-    d.id = "sssm";
-    d.label = "Silhouette Map";
-    d.summary = "Shadow silhouette maps: a point of the silhouette per texel bends the border to where it belongs";
-    d.reference = "Sen03";
-    d.parameters = {map_size_parameter()};
-    d.outputs = visibility_output();
-    d.lights = all_light_kinds();
-    d.meshes = "any; where surfaces cut each other there is no edge, and the depth tests decide";
-    d.limits = "One point per texel: where two silhouettes cross a texel, one of them is lost";
-    d.needs = [](const ParameterValues& values) { return map_needs(values); };
-    return d;
+    return {
+        .id = "sssm",
+        .label = "Silhouette Map",
+        .summary = "Shadow silhouette maps: a point of the silhouette per texel bends the border to where it belongs",
+        .reference = "Sen03",
+        .limits = "One point per texel: where two silhouettes cross a texel, one of them is lost",
+        .parameters = {map_size_parameter()},
+        .meshes = "any; where surfaces cut each other there is no edge, and the depth tests decide",
+        .needs = map_needs,
+    };
 }
 
 std::unique_ptr<Technique> make_sssm() { return std::make_unique<SSSM>(); }

@@ -29,17 +29,14 @@ public:
 }  // namespace
 
 TechniqueDescriptor describe_sv() {
-    TechniqueDescriptor d;
-    d.id = "sv";
-    d.label = "Shadow Volumes";
-    d.summary = "Shadow volumes: receivers count the volumes behind silhouettes that they lie in; any mesh, no maps";
-    d.reference = "Everitt02";
-    d.outputs = visibility_output();
-    d.lights = all_light_kinds();
-    d.meshes = "any";
-    d.limits = "Many silhouette edges cost time: each makes a side across the picture";
-    d.needs = [](const ParameterValues&) { return TechniqueNeeds{}; };
-    return d;
+    return {
+        .id = "sv",
+        .label = "Shadow Volumes",
+        .summary = "Shadow volumes: receivers count the volumes behind silhouettes that they lie in; any mesh, no maps",
+        .reference = "Everitt02",
+        .limits = "Many silhouette edges cost time: each makes a side across the picture",
+        .needs = [](const ParameterValues&) { return TechniqueNeeds{}; },
+    };
 }
 
 std::unique_ptr<Technique> make_sv() { return std::make_unique<ShadowVolumes>(); }
