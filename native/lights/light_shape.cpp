@@ -72,9 +72,10 @@ glm::dmat3 compute_light_axes(const glm::dmat4& matrix) {
     return {x, glm::cross(z, x), z};
 }
 
-std::vector<LightSample> sample_light_shape(const Light& light, int position_count, LightPattern pattern) {
+std::vector<LightSample> sample_light_shape(const Light& light, int position_count, LightPattern pattern,
+                                            const glm::dvec3& shift) {
     std::vector<LightSample> positions(std::size_t(std::max(1, position_count)), make_centre(light));
-    const SamplePattern points(pattern, position_count);
+    const SamplePattern points(pattern, position_count, shift);
     if (positions.size() > 1)
         for (std::size_t i = 0; i < positions.size(); ++i) move_to_sample(light, points, int(i), positions[i]);
     return positions;

@@ -18,8 +18,11 @@ namespace shadow_layers {
 ///   outside is a disc of even brightness as well. One set of points must do for all receivers, so it fills the ball
 ///   with a density that looks like an even disc from every side; that of a sphere's surface would look brighter
 ///   towards the rim, that of an even ball towards the middle.
+///
+/// `shift` (SamplePattern) makes other points of the same shape.
 std::vector<LightSample> sample_light_shape(const Light& light, int position_count,
-                                            LightPattern pattern = LightPattern::Sequence);
+                                            LightPattern pattern = LightPattern::Sequence,
+                                            const glm::dvec3& shift = glm::dvec3(0.0));
 
 /// Right-handed and orthonormal, z as in `matrix`; a mirrored or slightly skewed light keeps its direction.
 glm::dmat3 compute_light_axes(const glm::dmat4& matrix);

@@ -57,7 +57,7 @@ glm::dvec2 SamplePattern::get_in_cell(int i) const {
     return {(i - begin + 0.5) / (end - begin), 0.5 * (begin + end) / count_};
 }
 
-glm::dvec2 SamplePattern::get_in_square(int i) const {
+glm::dvec2 SamplePattern::get_unshifted_in_square(int i) const {
     switch (pattern_) {
         case LightPattern::Spiral:
             return {(i + 0.5) / count_, glm::fract(i / kGolden)};
@@ -71,7 +71,7 @@ glm::dvec2 SamplePattern::get_in_square(int i) const {
     return glm::fract((i + 1.0) / glm::dvec2(kRootOfPlane, kRootOfPlane * kRootOfPlane) + 0.5);
 }
 
-glm::dvec3 SamplePattern::get_in_cube(int i) const {
+glm::dvec3 SamplePattern::get_unshifted_in_cube(int i) const {
     switch (pattern_) {
         case LightPattern::Spiral:
             return {(i + 0.5) / count_, glm::fract((i + 0.5) / kFirstSpiral), glm::fract((i + 0.5) / kSecondSpiral)};
@@ -86,6 +86,16 @@ glm::dvec3 SamplePattern::get_in_cube(int i) const {
     return glm::fract((i + 1.0) * glm::dvec3(step, step * step, step * step * step) + 0.5);
 }
 
+glm::dvec2 SamplePattern::get_in_square(int i) const {
+    const glm::dvec2 place = get_unshifted_in_square(i);
+    return shift_ == glm::dvec3(0.0) ? place : glm::fract(place + glm::dvec2(shift_));
+}
+
+glm::dvec3 SamplePattern::get_in_cube(int i) const {
+    const glm::dvec3 place = get_unshifted_in_cube(i);
+    return shift_ == glm::dvec3(0.0) ? place : glm::fract(place + shift_);
+}
+
 glm::dvec2 SamplePattern::get_in_disc(int i) const {
     const glm::dvec2 square = get_in_square(i);
     return pattern_ == LightPattern::Spiral ? map_to_rings(square) : map_concentric(square);
@@ -97,6 +107,29 @@ glm::dvec3 SamplePattern::get_in_ball(int i) const {
     const glm::dvec3 cube = get_in_cube(i);
     const glm::dvec2 disc = map_to_rings({cube.x, cube.y});
     return {disc, std::sqrt(1 - cube.x) * std::cos(kTurn * cube.z)};
+}
+
+// The spiral's points are i steps of (1 / count, 1 / golden). Shifts by k steps of a part of that, modulo 1, make one
+// lattice of all points together; of the parts that do, the one whose points keep the largest distance is taken.
+glm::dvec3 find_pattern_shift(LightPattern pattern, int count, int k, int shift_count) {
+    if (pattern != LightPattern::Spiral)
+        return glm::fract(double(k) * glm::dvec3(1 / kRootOfSpace, 1 / (kRootOfSpace * kRootOfSpace),
+                                                 1 / (kRootOfSpace * kRootOfSpace * kRootOfSpace)));
+    const auto find_step = [&](int part, double turn) { return (turn + part) / shift_count; };
+    const auto find_least = [&](double step) {
+        double least = 1;
+        for (int j = 1; j <= 64; ++j) {
+            const double across = glm::fract(j * step);
+            least =
+                std::min(least, std::hypot(double(j) / (double(count) * shift_count), std::min(across, 1 - across)));
+        }
+        return least;
+    };
+    int best = 0;
+    for (int part = 1; part < shift_count; ++part)
+        if (find_least(find_step(part, 1 / kGolden)) > find_least(find_step(best, 1 / kGolden))) best = part;
+    return {double(k) / (double(count) * shift_count), k * find_step(best, 1 / kGolden),
+            k * find_step(best, 1 / kSecondSpiral)};
 }
 
 }  // namespace shadow_layers

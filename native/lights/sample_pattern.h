@@ -11,7 +11,10 @@ namespace shadow_layers {
 /// Points 0..count-1 of a pattern, even over simple shapes; each point stands for the same share of the shape.
 class SamplePattern {
 public:
-    SamplePattern(LightPattern pattern, int count) : pattern_(pattern), count_(count) {}
+    /// `shift`: added to all coordinates of the square or cube that the points come from, which goes on from its other
+    /// side: another pattern, as even.
+    SamplePattern(LightPattern pattern, int count, const glm::dvec3& shift = glm::dvec3(0.0))
+        : pattern_(pattern), count_(count), shift_(shift) {}
 
     glm::dvec2 get_in_square(int i) const;  ///< [0, 1)^2
     glm::dvec2 get_in_disc(int i) const;    ///< radius 1
@@ -20,10 +23,16 @@ public:
 
 private:
     glm::dvec3 get_in_cube(int i) const;
+    glm::dvec2 get_unshifted_in_square(int i) const;
+    glm::dvec3 get_unshifted_in_cube(int i) const;
     glm::dvec2 get_in_cell(int i) const;
 
     LightPattern pattern_;
     int count_;
+    glm::dvec3 shift_;
 };
+
+/// Shift `k` of `shift_count`: together they make of `count` points shift_count * count that are as even.
+glm::dvec3 find_pattern_shift(LightPattern pattern, int count, int k, int shift_count);
 
 }  // namespace shadow_layers

@@ -21,6 +21,7 @@
 #include "techniques/sm/sm.h"
 #include "techniques/smsr/smsr.h"
 #include "techniques/smsr2/smsr2.h"
+#include "techniques/soft/soft.h"
 #include "techniques/sssm/sssm.h"
 #include "techniques/sv/sv.h"
 #include "techniques/technique.h"
@@ -50,6 +51,7 @@ const std::vector<TechniqueEntry>& technique_entries() {
         {describe_edtsm, make_edtsm},
         {describe_multi, make_multi},
         {describe_exact, make_exact},
+        {describe_soft, make_soft},
         {describe_afsm, make_afsm},
         {describe_fsasm, make_fsasm},
         {describe_probe, make_probe},

@@ -37,12 +37,12 @@ bool is_neighbour_in_plane(const std::array<glm::dvec3, 3>& own, const std::arra
 
 }  // namespace
 
-OcclusionRule::OcclusionRule(const Frame& frame, const LightSample& position)
-    : frame_(frame),
-      rays_(frame.camera, frame.width, frame.height),
-      directional_(position.directional),
-      to_light_(position.to_light_ws),
-      light_rel_(position.position_ws - frame.origin_ws) {}
+OcclusionRule::OcclusionRule(const Frame& frame, const LightSample& sample)
+    : frame_(frame), rays_(frame.camera, frame.width, frame.height) {
+    sample_.directional = sample.directional;
+    sample_.position_ws = sample.position_ws;
+    sample_.to_light_ws = sample.to_light_ws;
+}
 
 glm::dvec3 OcclusionRule::find_receiver(std::size_t pixel) const {
     const double x = double(pixel % std::size_t(frame_.width)) + 0.5;
@@ -60,9 +60,15 @@ glm::dvec3 OcclusionRule::find_receiver(std::size_t pixel) const {
 }
 
 bool OcclusionRule::is_blocked(const glm::dvec3& receiver_rel, const PixelIds& receiver, const PixelIds& caster) const {
+    return is_blocked(receiver_rel, receiver, caster, sample_);
+}
+
+bool OcclusionRule::is_blocked(const glm::dvec3& receiver_rel, const PixelIds& receiver, const PixelIds& caster,
+                               const LightSample& sample) const {
     if (receiver.instance == caster.instance && receiver.triangle == caster.triangle) return false;
     const std::array<glm::dvec3, 3> corners = frame_.get_corners_rel(caster);
-    const glm::dvec3 to_light = directional_ ? to_light_ : light_rel_ - receiver_rel;
+    const bool directional = sample.directional;
+    const glm::dvec3 to_light = directional ? sample.to_light_ws : sample.position_ws - frame_.origin_ws - receiver_rel;
     const glm::dvec3 a = corners[0] - receiver_rel, b = corners[1] - receiver_rel, c = corners[2] - receiver_rel;
     const double u = compute_edge_volume(to_light, b, c), v = compute_edge_volume(to_light, c, a),
                  w = compute_edge_volume(to_light, a, b);
@@ -72,7 +78,7 @@ bool OcclusionRule::is_blocked(const glm::dvec3& receiver_rel, const PixelIds& r
     const double along = glm::dot(to_light, normal);
     if (along == 0) return false;
     const double distance = glm::dot(a, normal) / along;
-    if (!(distance > 0) || (!directional_ && !(distance < 1))) return false;
+    if (!(distance > 0) || (!directional && !(distance < 1))) return false;
     return !is_neighbour_in_plane(frame_.get_corners_rel(receiver), corners);
 }
 

@@ -24,13 +24,16 @@ inline constexpr double kFlatTolerance = 1e-6;
 class OcclusionRule {
 public:
     /// `frame` must outlive the rule.
-    OcclusionRule(const Frame& frame, const LightSample& position);
+    OcclusionRule(const Frame& frame, const LightSample& sample);
 
     /// Where the pixel centre's ray meets the plane of its triangle, relative to the frame's origin.
     glm::dvec3 find_receiver(std::size_t pixel) const;
 
     /// `receiver_rel` lies on triangle `receiver`.
     bool is_blocked(const glm::dvec3& receiver_rel, const PixelIds& receiver, const PixelIds& caster) const;
+    /// From another sample of the light than the rule was made for.
+    bool is_blocked(const glm::dvec3& receiver_rel, const PixelIds& receiver, const PixelIds& caster,
+                    const LightSample& sample) const;
 
     /// How far a triangle's corners may be off because a mesh keeps them in float.
     double find_corner_rounding(const PixelIds& ids) const;
@@ -38,8 +41,7 @@ public:
 private:
     const Frame& frame_;
     RayBasis rays_;
-    bool directional_;
-    glm::dvec3 to_light_, light_rel_;
+    LightSample sample_;  ///< its place alone
 };
 
 /// Does a triangle lie in the plane through a point, as far as the rounding of its corners lets one tell? It does not

@@ -1,0 +1,232 @@
+// SPDX-FileCopyrightText: 2026 Shadow Layers contributors
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+// A part of soft_kernel.cpp: triangles. With a, b, c the corners seen from the receiver and d the direction to a sample,
+// d . (b x c), d . (c x a) and d . (a x b) all have the sign of the volume a . b x c iff the ray meets the triangle in
+// front of the receiver. They are linear in the sample's place: three forms by_u u + by_v v + by_w w + at. No division:
+// triangles that reach below the receiver need no clipping.
+
+#include "base/kernel_lanes.h"
+#include "visibility/soft_kernel_nodes.h"
+
+namespace shadow_layers::soft_kernel {
+namespace {
+
+constexpr float kRounding = 1.0f / 16777216;  // 2^-24: of one operation
+constexpr std::uint64_t kGroupBits = 0xff;
+
+/// Three edges' forms for each triangle of a leaf, turned so that all three are positive where it hides a sample, and the
+/// bound of their error.
+struct LeafForms {
+    alignas(32) float by_u[3][kWidth], by_v[3][kWidth], by_w[3][kWidth], at[3][kWidth];
+    alignas(32) float error[kWidth], volume[kWidth];
+    std::uint32_t lanes;    ///< that may hide samples
+    std::uint32_t unsure;   ///< lanes whose volume is 0 within rounding: either orientation may be right
+    std::uint32_t beyond;   ///< lanes that reach up to the light
+};
+
+struct Vector8 {
+    Floats8 x, y, z;
+};
+
+inline Vector8 cross(const Vector8& p, const Vector8& q) {
+    const Floats8 zero(0.0f);
+    return {fma(p.y, q.z, zero - p.z * q.y), fma(p.z, q.x, zero - p.x * q.z), fma(p.x, q.y, zero - p.y * q.x)};
+}
+
+inline Floats8 dot(const Vector8& p, const Vector8& q) { return fma(p.x, q.x, fma(p.y, q.y, p.z * q.z)); }
+
+inline Floats8 find_largest(const Vector8& p) { return max(max(abs(p.x), abs(p.y)), abs(p.z)); }
+
+inline Vector8 operator-(const Vector8& p, const Vector8& q) { return {p.x - q.x, p.y - q.y, p.z - q.z}; }
+
+inline Vector8 with_sign_of(const Vector8& p, const Floats8& sign) {
+    return {with_sign_of(p.x, sign), with_sign_of(p.y, sign), with_sign_of(p.z, sign)};
+}
+
+/// Triangles of a leaf about the receiver.
+struct NearTriangles {
+    Vector8 a, edge_1, edge_2;
+    NearTriangles(const Leaf& leaf, const Receiver& r) {
+        const auto load = [](const float (&values)[3][kWidth]) -> Vector8 {
+            return {Floats8::load(values[0]), Floats8::load(values[1]), Floats8::load(values[2])};
+        };
+        a = load(leaf.a), edge_1 = load(leaf.edge_1), edge_2 = load(leaf.edge_2);
+        a.x = a.x - Floats8(float(r.at[0] - leaf.origin[0]));
+        a.y = a.y - Floats8(float(r.at[1] - leaf.origin[1]));
+        a.z = a.z - Floats8(float(r.at[2] - leaf.origin[2]));
+    }
+    Vector8 find_low() const {
+        const Floats8 zero(0.0f);
+        return {a.x + min(min(edge_1.x, edge_2.x), zero), a.y + min(min(edge_1.y, edge_2.y), zero),
+                a.z + min(min(edge_1.z, edge_2.z), zero)};
+    }
+    Vector8 find_high() const {
+        const Floats8 zero(0.0f);
+        return {a.x + max(max(edge_1.x, edge_2.x), zero), a.y + max(max(edge_1.y, edge_2.y), zero),
+                a.z + max(max(edge_1.z, edge_2.z), zero)};
+    }
+};
+
+/// Lanes that rise over the receiver's own plane steeper than the flattest direction to a sample.
+inline std::uint32_t find_rising(const NearTriangles& t, const Vector8& low, const Vector8& high, const View& view,
+                                 const Floats8& place_error) {
+    const Vector8 normal{Floats8(view.normal[0]), Floats8(view.normal[1]), Floats8(view.normal[2])};
+    const Floats8 zero(0.0f);
+    const Floats8 rise = dot(normal, t.a) + max(max(dot(normal, t.edge_1), dot(normal, t.edge_2)), zero);
+    const Floats8 distance = max(max(max(low.x, zero - high.x), max(low.y, zero - high.y)), max(low.z, zero - high.z));
+    // The normal is rounded, too: by a part of the distance of the corner that rises most.
+    const Floats8 far = max(find_largest(low), find_largest(high));
+    const Floats8 error = fma(far, Floats8(8 * kRounding), Floats8(4.0f) * place_error);
+    return find_greater(rise + error, Floats8(view.slope) * max(distance, zero));
+}
+
+/// No coordinate of a direction to a sample is larger.
+inline float find_direction_size(const View& view, const SampleSet& samples) {
+    const float base[3] = {view.base_u, view.base_v, view.height};
+    float largest = 0;
+    for (int k = 0; k < 3; ++k) {
+        const float size = base[k] < 0 ? -base[k] : base[k];
+        const float reach = samples.high[k] > -samples.low[k] ? samples.high[k] : -samples.low[k];
+        largest = size + reach > largest ? size + reach : largest;
+    }
+    return largest;
+}
+
+inline void make_forms(const Leaf& leaf, const Receiver& r, const SampleSet& samples, const View& view,
+                       LeafForms& forms) {
+    const NearTriangles t(leaf, r);
+    const Vector8 low = t.find_low(), high = t.find_high();
+    const Floats8 a_size = find_largest(t.a), edge_size = max(find_largest(t.edge_1), find_largest(t.edge_2));
+    // Of the corner a: its own rounding, that of its difference to the receiver, and the receiver's.
+    const Floats8 place_error = fma(a_size, Floats8(2 * kRounding), Floats8(r.error + 4 * kRounding * leaf.size));
+    forms.lanes = leaf.lanes & find_rising(t, low, high, view, place_error);
+    forms.unsure = forms.beyond = 0;
+    if (leaf.instance == r.instance)
+        for (int i = 0; i < kWidth; ++i)
+            if (leaf.triangle[i] == r.triangle) forms.lanes &= ~(1u << i);
+    if (forms.lanes == 0) return;
+
+    const Floats8 zero(0.0f);
+    Vector8 edges[3];
+    edges[0] = cross(t.a, t.edge_1);
+    edges[1] = cross(t.edge_2, t.a);
+    const Vector8 across = cross(t.edge_1, t.edge_2);
+    edges[2] = across - edges[0] - edges[1];
+    const Floats8 volume = dot(t.a, across);
+    // Bounds of |d| by its largest coordinate, and of rounding by magnitudes; each with a reserve of some times.
+    const float d_size = find_direction_size(view, samples);
+    const Floats8 corner = fma(a_size, Floats8(24 * kRounding), Floats8(6.0f) * place_error);
+    const Floats8 edge_error = fma(edge_size, Floats8(24 * kRounding) * edge_size, corner * edge_size);
+    const Floats8 error = Floats8(d_size) * edge_error;
+    const Floats8 volume_error =
+        edge_size * edge_size * fma(a_size, Floats8(24 * kRounding), Floats8(6.0f) * place_error);
+    forms.unsure = forms.lanes & ~find_greater(abs(volume), volume_error);
+    forms.beyond = forms.lanes & find_greater(high.z + Floats8(4.0f) * place_error, Floats8(r.light_low));
+    for (int k = 0; k < 3; ++k) {
+        const Vector8 e = with_sign_of(edges[k], volume);
+        e.x.store(forms.by_u[k]), e.y.store(forms.by_v[k]), e.z.store(forms.by_w[k]);
+        fma(e.z, Floats8(view.height), zero - fma(e.x, Floats8(view.base_u), e.y * Floats8(view.base_v)))
+            .store(forms.at[k]);
+    }
+    error.store(forms.error);
+    abs(volume).store(forms.volume);
+}
+
+/// One triangle against groups of samples, or against the samples of one group: values of its three forms.
+struct FormValues {
+    Floats8 value[3], reach[3];
+};
+
+inline Floats8 evaluate(const LeafForms& f, int k, int lane, const float* u, const float* v, const float* w) {
+    Floats8 value = fma(Floats8(f.by_u[k][lane]), Floats8::load(u), Floats8(f.at[k][lane]));
+    value = fma(Floats8(f.by_v[k][lane]), Floats8::load(v), value);
+    return fma(Floats8(f.by_w[k][lane]), Floats8::load(w), value);
+}
+
+/// How far a form gets from its value in the middle of each group.
+inline Floats8 find_group_reach(const LeafForms& f, int k, int lane, const SampleSet& s) {
+    const auto size = [](float x) { return Floats8(x < 0 ? -x : x); };
+    Floats8 reach = size(f.by_u[k][lane]) * Floats8::load(s.reach_u);
+    reach = fma(size(f.by_v[k][lane]), Floats8::load(s.reach_v), reach);
+    return fma(size(f.by_w[k][lane]), Floats8::load(s.reach_w), reach);
+}
+
+struct Answer {
+    std::uint64_t hidden, open;  ///< surely; to be decided in double
+};
+
+/// The samples of a group: what a triangle hides of them.
+inline void test_group(const LeafForms& f, int lane, const SampleSet& s, int group, std::uint64_t mask, Answer& answer) {
+    const Floats8 zero(0.0f), error(f.error[lane]);
+    Floats8 value[3];
+    for (int k = 0; k < 3; ++k) value[k] = evaluate(f, k, lane, s.u + 8 * group, s.v + 8 * group, s.w + 8 * group);
+    Floats8 least = min(min(value[0], value[1]), value[2]);
+    std::uint32_t hidden = find_greater(least, error), possible = find_greater(least, zero - error);
+    if (f.unsure >> lane & 1u) {
+        const Floats8 most = max(max(value[0], value[1]), value[2]);
+        possible |= find_greater(error, most);
+        hidden = 0;
+    } else if (f.beyond >> lane & 1u) {
+        // The triangle lies nearer than the sample where the sum of the forms, d . (b - a) x (c - a), exceeds the volume.
+        const Floats8 before = value[0] + value[1] + value[2] - Floats8(f.volume[lane]);
+        const Floats8 slack = Floats8(4.0f) * error + Floats8(f.volume[lane] * (8 * kRounding));
+        hidden &= find_greater(before, slack);
+        possible &= find_greater(before, zero - slack);
+    }
+    const int shift = 8 * group;
+    answer.hidden |= (std::uint64_t(hidden) << shift) & mask;
+    answer.open |= (std::uint64_t(possible & ~hidden) << shift) & mask;
+}
+
+inline std::uint64_t spread_groups(std::uint32_t groups) {
+    // Bit i becomes byte i; the last one by itself, or its copies would meet those of the first.
+    const std::uint64_t bytes = (groups & 0x7f) * 0x0002040810204081ull & 0x0101010101010101ull;
+    return (bytes | std::uint64_t(groups >> 7 & 1u) << 56) * kGroupBits;
+}
+
+inline Answer test_triangle(const LeafForms& f, int lane, const SampleSet& s, std::uint64_t mask) {
+    Answer answer{0, 0};
+    const Floats8 zero(0.0f), error(f.error[lane]);
+    std::uint32_t alive = ~0u, full = ~0u, turned = ~0u;
+    for (int k = 0; k < 3; ++k) {
+        const Floats8 value = evaluate(f, k, lane, s.group_u, s.group_v, s.group_w);
+        const Floats8 reach = find_group_reach(f, k, lane, s);
+        alive &= find_greater(value + reach, zero - error);
+        full &= find_greater(value - reach, error);
+        turned &= find_greater(error, value - reach);
+    }
+    const bool is_unsure = f.unsure >> lane & 1u;
+    if (is_unsure) alive |= turned;
+    if (is_unsure || (f.beyond >> lane & 1u)) full = 0;
+    const std::uint32_t present = (1u << s.group_count) - 1;
+    alive &= present, full &= alive;
+    answer.hidden = spread_groups(full) & mask;
+    for (std::uint32_t left = alive & ~full; left != 0; left &= left - 1) {
+        const int group = __builtin_ctz(left);
+        if (mask >> (8 * group) & kGroupBits) test_group(f, lane, s, group, mask, answer);
+    }
+    return answer;
+}
+
+/// Takes away from `open` what the leaf hides of `mask`. Returns how many samples that is.
+inline int test_leaf(Trace& trace, const Leaf& leaf, const Receiver& r, const View& view, std::uint64_t mask,
+                     std::uint64_t& open) {
+    ++trace.counts.leaves;
+    LeafForms forms;
+    make_forms(leaf, r, *trace.samples, view, forms);
+    const std::uint64_t before = open;
+    for (std::uint32_t left = forms.lanes; left != 0 && (mask & open) != 0; left &= left - 1) {
+        const int lane = __builtin_ctz(left);
+        Answer answer = test_triangle(forms, lane, *trace.samples, mask & open);
+        open &= ~answer.hidden;
+        answer.open &= open;
+        if (answer.open == 0) continue;
+        ++trace.counts.settled;
+        open &= ~trace.settle(trace.context, r.number, leaf.instance, leaf.triangle[lane], answer.open);
+    }
+    return __builtin_popcountll(before ^ open);
+}
+
+}  // namespace
+}  // namespace shadow_layers::soft_kernel

@@ -1,0 +1,176 @@
+// SPDX-FileCopyrightText: 2026 Shadow Layers contributors
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "visibility/soft_visibility.h"
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+#include <mutex>
+
+#include "lights/light_shape.h"
+#include "lights/sample_pattern.h"
+#include "visibility/caster_tree.h"
+#include "visibility/sample_sets.h"
+#include "visibility/soft_block.h"
+#include "visibility/soft_light.h"
+
+namespace shadow_layers {
+namespace {
+
+constexpr int kShifts = 16;
+constexpr std::size_t kRowBlock = 8;
+// Rounding of a float position on each axis, turned into other axes.
+constexpr double kPlaceRounding = 1.8 / 16777216;
+
+std::vector<std::vector<LightSample>> make_sample_lists(const Light& light, const SoftSettings& settings) {
+    const int count = settings.light_samples;
+    std::vector<LightSample> samples = sample_light_shape(light, count, settings.pattern);
+    // All alike: a light without size.
+    if (samples.front().is_same_place(samples.back())) samples.resize(1);
+    if (!settings.is_rotated || samples.size() == 1) return {samples};
+    std::vector<std::vector<LightSample>> lists;
+    for (int k = 0; k < kShifts; ++k)
+        lists.push_back(sample_light_shape(light, count, settings.pattern,
+                                           find_pattern_shift(settings.pattern, count, k, kShifts)));
+    return lists;
+}
+
+std::shared_ptr<const BoxTree> get_tree(Engine& engine, const Mesh& mesh) {
+    return engine.mesh_data().get_for_mesh<BoxTree>(mesh, [&](const std::shared_ptr<const BoxTree>& other) {
+        std::shared_ptr<const BoxTree> tree;
+        if (other) tree = refit_mesh_tree(*other, mesh, &engine.threads());
+        return tree ? tree : make_mesh_tree(mesh, &engine.threads());
+    });
+}
+
+class SoftRun {
+public:
+    SoftRun(Engine& engine, const Frame& frame, const Light& light, const SoftSettings& settings)
+        : engine_(engine), frame_(frame), light_(light), settings_(settings),
+          samples_(frame, light, make_sample_lists(light, settings)),
+          rule_(frame, samples_.centre()) {}
+
+    std::vector<float> run() {
+        std::vector<float> visibility(frame_.pixel_count());
+        {
+            const auto timer = engine_.time_stage("caster_trees");
+            place_receivers(visibility);
+            for (SoftPart& part : parts_) make_part(part);
+        }
+        const auto timer = engine_.time_stage("soft_visibility");
+        trace(visibility);
+        count();
+        return visibility;
+    }
+
+private:
+    /// Answers what needs no casters, and finds for each frame of the light where its receivers lie.
+    void place_receivers(std::vector<float>& visibility) {
+        const std::vector<LightFrame> frames = make_light_frames(light_, samples_.centre(), frame_.origin_ws);
+        part_of_pixel_.assign(frame_.pixel_count(), kNoPart);
+        const std::size_t blocks = (std::size_t(frame_.height) + kRowBlock - 1) / kRowBlock;
+        std::vector<std::vector<PartBounds>> bounds(blocks, std::vector<PartBounds>(frames.size()));
+        engine_.threads().parallel_for(std::size_t(frame_.height), kRowBlock, [&](std::size_t begin, std::size_t end) {
+            std::vector<PartBounds>& here = bounds[begin / kRowBlock];
+            const std::size_t width = std::size_t(frame_.width);
+            for (std::size_t pixel = begin * width; pixel < end * width; ++pixel)
+                visibility[pixel] = place_receiver(pixel, frames, here);
+        });
+        for (std::size_t i = 0; i < frames.size(); ++i) {
+            SoftPart& part = parts_.emplace_back();
+            part.frame = frames[i];
+            PartBounds all;
+            for (const auto& block : bounds) all.add(block[i]);
+            part.receivers = all.box;
+            part.largest_rel = all.largest;
+            receiver_count_ += all.count;
+        }
+    }
+
+    float place_receiver(std::size_t pixel, const std::vector<LightFrame>& frames, std::vector<PartBounds>& bounds) {
+        if (!samples_.is_candidate(pixel)) return 1.0f;
+        const SoftLight::Stance stance = samples_.find_stance(pixel);
+        if (stance.is_decided()) return stance.get_decided();
+        const glm::dvec3 place(frame_.positions_rel[pixel]);
+        std::size_t part = 0;
+        if (frames.size() > 1)
+            part = std::size_t(find_light_face(samples_.centre(),
+                                               place + frame_.origin_ws - samples_.centre().position_ws));
+        part_of_pixel_[pixel] = std::uint8_t(part);
+        bounds[part].add(place * frames[part].axes, std::max({std::abs(place.x), std::abs(place.y), std::abs(place.z)}));
+        return 1.0f;
+    }
+
+    void make_part(SoftPart& part) {
+        if (part.receivers.is_empty()) return;
+        engine_.check_cancelled();
+        const glm::dvec3 middle = 0.5 * (part.receivers.min + part.receivers.max);
+        part.frame.origin_rel = part.frame.axes * middle;
+        part.receivers.min -= middle, part.receivers.max -= middle;
+        if (!part.frame.directional)
+            part.frame.centre = part.frame.from_rel(samples_.centre().position_ws - frame_.origin_ws);
+        part.largest_place = std::max(glm::length(part.receivers.max), 1e-30);
+        part.place_error = kPlaceRounding * part.largest_rel;
+        const double distance = glm::length(part.frame.centre) + part.largest_place;
+        for (std::size_t list = 0; list < samples_.list_count(); ++list)
+            part.sets.emplace_back(samples_.samples(list), part.frame, frame_.origin_ws, distance);
+        part.set_sample_box();
+        const soft_kernel::Shaft shaft = make_shaft(part, part.receivers);
+        const BoxWidening widening{1e-6, 1e-6 * part.largest_place + 2 * part.place_error};
+        std::vector<TreeCaster> casters;
+        const Scene& scene = *frame_.scene;
+        for (const std::uint32_t i :
+             find_shaft_casters(scene, light_, frame_.origin_ws, part.frame, shaft, widening, engine_.threads()))
+            casters.push_back({i, get_tree(engine_, *scene.meshes[scene.instances[i].mesh])});
+        part.tree = std::make_unique<CasterTree>(scene, frame_.origin_ws, part.frame, shaft, casters,
+                                                 part.largest_place, part.place_error, engine_.threads());
+    }
+
+    void trace(std::vector<float>& visibility) {
+        const int columns = (frame_.width + kBlockSide - 1) / kBlockSide;
+        const int rows = (frame_.height + kBlockSide - 1) / kBlockSide;
+        engine_.threads().parallel_for(std::size_t(columns) * std::size_t(rows), 1, [&](std::size_t i, std::size_t) {
+            engine_.cancel_token().check();
+            SoftBlock block({frame_, samples_, parts_, part_of_pixel_, rule_, light_.kind == LightKind::Area,
+                             settings_.is_rotated ? settings_.picture_sample : 0},
+                            int(i) % columns * kBlockSide, int(i) / columns * kBlockSide);
+            block.trace(visibility);
+            const std::lock_guard lock(counts_mutex_);
+            counts_.add(block.counts());
+        });
+    }
+
+    void count() {
+        std::size_t tree_bytes = 0;
+        for (const SoftPart& part : parts_)
+            if (part.tree) tree_bytes += part.tree->byte_size();
+        engine_.count("receivers", std::int64_t(receiver_count_));
+        engine_.count("light_samples", std::int64_t(samples_.sample_count()));
+        engine_.count("tree_bytes", std::int64_t(tree_bytes));
+        engine_.count("node_tests", std::int64_t(counts_.nodes));
+        engine_.count("leaf_tests", std::int64_t(counts_.leaves));
+        engine_.count("open_pairs", std::int64_t(counts_.settled));
+        engine_.count("lit_blocks", std::int64_t(counts_.lit_blocks));
+    }
+
+    Engine& engine_;
+    const Frame& frame_;
+    const Light& light_;
+    const SoftSettings settings_;
+    const SoftLight samples_;
+    const OcclusionRule rule_;
+    std::vector<SoftPart> parts_;
+    std::vector<std::uint8_t> part_of_pixel_;
+    std::size_t receiver_count_ = 0;
+    std::mutex counts_mutex_;
+    SoftCounts counts_;
+};
+
+}  // namespace
+
+std::vector<float> compute_soft_visibility(Engine& engine, const Frame& frame, const Light& light,
+                                           const SoftSettings& settings) {
+    return SoftRun(engine, frame, light, settings).run();
+}
+
+}  // namespace shadow_layers
