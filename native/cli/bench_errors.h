@@ -14,10 +14,15 @@ namespace shadow_layers::cli {
 /// Whether this program was built with what errors are measured with.
 bool can_measure_errors();
 
+/// What is measured: layers against what they stand for; the bits of soft layers.
+struct ErrorKinds {
+    bool pictures = false, bits = false;
+};
+
 /// Fills in the rows' errors: each row is rendered once, unmoved, with one sample a pixel, and compared with exact
 /// rays. Truths are worked once for all rows that share them. `tell` gets the fraction done. Throws Cancelled.
-void measure_errors(Session& session, std::vector<BenchRow>& rows, int threads, const std::atomic<bool>& cancelled,
-                    const std::function<void(double)>& tell);
+void measure_errors(Session& session, std::vector<BenchRow>& rows, const ErrorKinds& kinds, int threads,
+                    const std::atomic<bool>& cancelled, const std::function<void(double)>& tell);
 
 /// Errors of several layers together, each with its truth and a mark of the pixels that count.
 class ErrorSum {

@@ -48,6 +48,15 @@ void move_a_trifle(RenderRequest& request, int step) {
     window.right += shift;
 }
 
+/// The row whose rays are the most work: rays go to the samples that its technique takes.
+const BenchRow& find_most_samples(const std::vector<BenchRow>& rows) {
+    const auto samples = [](const BenchRow& row) {
+        return find_technique_descriptor(row.technique).needs(row.resolved).light_samples;
+    };
+    return *std::max_element(rows.begin(), rows.end(),
+                             [&](const BenchRow& a, const BenchRow& b) { return samples(a) < samples(b); });
+}
+
 }  // namespace
 
 void BenchStop::request() {
@@ -94,7 +103,8 @@ void FileBench::close_session() {
 
 void FileBench::run(Progress& progress, double fraction_start, double fraction_end) {
     const std::string name = path_.filename().string();
-    const double timed = options_.errors ? kTimedPart : 1.0;
+    const bool compares = options_.errors || options_.bits;
+    const double timed = compares ? kTimedPart : 1.0;
     const auto tell = [&](double fraction, const std::string& text) {
         progress.update(fraction_start + fraction * (fraction_end - fraction_start), name + ": " + text);
     };
@@ -108,13 +118,13 @@ void FileBench::run(Progress& progress, double fraction_start, double fraction_e
             if (!session_) open_session();
             render(row, round >= options_.warm_up);
         }
-        if (rays_) {
+        if (rays_ && round >= options_.warm_up) {
             stop_.check();
-            rays_->measure(*session_, make_next_request(rows_.front()), round >= options_.warm_up);
+            rays_->measure(*session_, make_next_request(find_most_samples(rows_)));
         }
     }
-    if (!options_.errors) return;
-    measure_errors(*session_, rows_, options_.threads, stop_.flag(),
+    if (!compares) return;
+    measure_errors(*session_, rows_, {options_.errors, options_.bits}, options_.threads, stop_.flag(),
                    [&](double fraction) { tell(timed + (1 - timed) * fraction, "errors"); });
 }
 

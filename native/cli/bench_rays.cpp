@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "cli/bench_rays.h"
 
+#include <algorithm>
+
 #include "shadow_layers/error.h"
 #ifdef SHADOW_LAYERS_EMBREE
 #include "truth/shadow_rays.h"
@@ -16,11 +18,10 @@ struct RayBench::Rays {
 };
 
 RayBench::RayBench(int threads) : rays_(std::make_unique<Rays>(threads)) {
-    for (const truth::ShadowRayMode& mode : truth::get_shadow_ray_modes())
-        rows_.push_back({mode.name, {}, {}, {}, {}, 0});
+    for (const truth::ShadowRayMode& mode : truth::get_shadow_ray_modes()) rows_.emplace_back().name = mode.name;
 }
 
-void RayBench::measure(Session& session, const RenderRequest& request, bool counts) {
+void RayBench::measure(Session& session, const RenderRequest& request) {
     RenderRequest frame_request = request;
     frame_request.jobs.clear();
     frame_request.samples = 1;
@@ -29,12 +30,14 @@ void RayBench::measure(Session& session, const RenderRequest& request, bool coun
     for (RayRow& row : rows_) {
         const auto& mode = truth::get_shadow_ray_modes()[std::size_t(&row - rows_.data())];
         const truth::ShadowRayTimes times = rays_->shadow_rays.measure(request, frame, mode);
-        if (!counts) continue;
         row.list_ms.push_back(times.list_ms);
         row.build_ms.push_back(times.build_ms);
-        row.trace_ms.push_back(times.trace_ms);
+        row.packets_ms.push_back(times.packets_ms);
+        row.stream_ms.push_back(times.stream_ms);
+        row.trace_ms.push_back(std::min(times.packets_ms, times.stream_ms));
         row.processor_ms.push_back(times.processor_ms);
         row.receivers = times.receivers;
+        row.rays = times.rays;
     }
 }
 #else
@@ -42,7 +45,7 @@ struct RayBench::Rays {};
 RayBench::RayBench(int) {
     throw InputError("--rays: this shadowcore was built without Embree; build it with SHADOW_LAYERS_EMBREE=ON");
 }
-void RayBench::measure(Session&, const RenderRequest&, bool) {}
+void RayBench::measure(Session&, const RenderRequest&) {}
 #endif
 
 RayBench::~RayBench() = default;

@@ -14,9 +14,11 @@ namespace shadow_layers::cli {
 struct RayRow {
     std::string name;             ///< how Embree's scene is built
     std::vector<double> list_ms;  ///< finding the receivers that face the light
-    std::vector<double> build_ms, trace_ms;
-    std::vector<double> processor_ms;  ///< of the three
-    std::size_t receivers = 0;         ///< of all lights, of the last round
+    std::vector<double> build_ms;
+    std::vector<double> packets_ms, stream_ms;  ///< all rays, in packets and again as a stream
+    std::vector<double> trace_ms;               ///< the shorter of the two, each round
+    std::vector<double> processor_ms;           ///< of list, build and packets
+    std::size_t receivers = 0, rays = 0;        ///< of all lights, of the last round
 };
 
 /// Times rays in the rounds of a benchmark. InputError where this program was built without Embree.
@@ -25,8 +27,9 @@ public:
     explicit RayBench(int threads);
     ~RayBench();
 
-    /// Renders what the camera of `request` sees and times the rays to its jobs' lights, each way once.
-    void measure(Session& session, const RenderRequest& request, bool counts);
+    /// Renders what the camera of `request` sees and times the rays to the samples that its jobs take of their lights,
+    /// each way once.
+    void measure(Session& session, const RenderRequest& request);
     const std::vector<RayRow>& rows() const { return rows_; }
 
 private:

@@ -59,8 +59,15 @@ json errors_to_json(const LayerErrors& errors) {
             {"border_mean_absolute", errors.border_pixels > 0 ? json(errors.border_mean_absolute) : json()}};
 }
 
+json sample_errors_to_json(const SampleErrors& errors) {
+    return {{"light_samples", errors.light_samples},     {"bits", errors.bits},
+            {"wrong_bits", errors.wrong_bits},           {"wrong_pixels", errors.wrong_pixels},
+            {"penumbra_pixels", errors.penumbra_pixels}, {"ties", errors.ties}};
+}
+
 json row_errors_to_json(const RowErrors& errors) {
     return {{"truth", get_name(errors.truth.kind)},
+            {"truth_standard_error", errors.truth_standard_error ? json(*errors.truth_standard_error) : json()},
             {"footprint_texels", errors.truth.footprint_texels},
             {"footprint_world", errors.truth.footprint_world},
             {"own", errors_to_json(errors.own)},
@@ -86,6 +93,8 @@ void print_row(const BenchRow& row, const BenchRow* reference) {
         if (row.errors->truth.kind == TruthKind::Pixel)
             std::printf(", border %.5f", row.errors->own.border_mean_absolute);
     }
+    if (row.bits)
+        std::printf("  %zu wrong bits of %zu (%zu ties)", row.bits->wrong_bits, row.bits->bits, row.bits->ties);
     std::printf("\n");
     for (const auto& [stage, times] : row.cpu_ms) {
         const auto gl = row.gl_ms.find(stage);
@@ -97,9 +106,9 @@ void print_row(const BenchRow& row, const BenchRow* reference) {
 
 void print_rays(const RayBench& rays) {
     for (const RayRow& row : rays.rows())
-        std::printf("  %-10s %-34s list %.2f, build %.2f, trace %.2f, %zu rays\n", "embree", row.name.c_str(),
-                    compute_median(row.list_ms), compute_median(row.build_ms), compute_median(row.trace_ms),
-                    row.receivers);
+        std::printf("  %-10s %-34s list %.2f, build %.2f, packets %.2f, stream %.2f, %zu rays\n", "embree",
+                    row.name.c_str(), compute_median(row.list_ms), compute_median(row.build_ms),
+                    compute_median(row.packets_ms), compute_median(row.stream_ms), row.rays);
 }
 
 }  // namespace
@@ -124,9 +133,12 @@ json rays_to_json(const FileBench& bench) {
                         {"name", row.name},
                         {"list_ms", spread_to_json(row.list_ms)},
                         {"build_ms", spread_to_json(row.build_ms)},
+                        {"packets_ms", spread_to_json(row.packets_ms)},
+                        {"stream_ms", spread_to_json(row.stream_ms)},
                         {"trace_ms", spread_to_json(row.trace_ms)},
                         {"processor_ms", spread_to_json(row.processor_ms)},
-                        {"receivers", row.receivers}});
+                        {"receivers", row.receivers},
+                        {"rays", row.rays}});
     return list;
 }
 
@@ -158,7 +170,8 @@ json bench_to_json(const FileBench& bench) {
                         {"ratio_to_sm_spread", ratios.empty() ? json() : spread_to_json(ratios)},
                         {"layers_ratio_to_sm", ratio_to_json(layers)},
                         {"stage_ratio_to_sm", reference ? stage_ratios_to_json(row, *reference) : json::object()},
-                        {"errors", row.errors ? row_errors_to_json(*row.errors) : json()}});
+                        {"errors", row.errors ? row_errors_to_json(*row.errors) : json()},
+                        {"bits", row.bits ? sample_errors_to_json(*row.bits) : json()}});
     }
     return list;
 }

@@ -25,10 +25,22 @@ struct LayerErrors {
     double border_mean_absolute = 0;                           ///< over these
 };
 
+/// A soft layer against rays to the very samples of the light that it takes. A bit is a receiver and a sample that it
+/// faces.
+struct SampleErrors {
+    int light_samples = 0;
+    std::size_t bits = 0;          ///< of all pixels whose samples were looked at
+    std::size_t wrong_bits = 0;    ///< at least so many, outside of ties and of what float weights may change
+    std::size_t wrong_pixels = 0;  ///< with wrong bits
+    std::size_t penumbra_pixels = 0;
+    std::size_t ties = 0;  ///< bits that rounding may decide either way
+};
+
 /// The errors of a row: against the light's hard mask, and against what the technique itself approximates.
 struct RowErrors {
     LayerErrors hard, own;
     TruthSpec truth;
+    std::optional<double> truth_standard_error;  ///< of a soft one: its mean over the pixels that have one
 };
 
 /// One row of a benchmark: a technique with its settings on all chosen lights, and what was measured. Times have one
@@ -45,6 +57,7 @@ struct BenchRow {
     std::map<std::string, std::vector<double>> stage_ms;
     std::map<std::string, std::int64_t> counters;  ///< summed over the lights
     std::optional<RowErrors> errors;
+    std::optional<SampleErrors> bits;
 };
 
 /// The rows that the command line asks for: those of --rows, else the techniques by the grid of --set and --map-size.

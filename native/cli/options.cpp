@@ -169,8 +169,13 @@ std::optional<int> parse_options(int argc, char** argv, Options& options) {
                     "--techniques, --set and --map-size")
         ->type_name("FILE");
     bench.add_flag("--errors", options.errors, "measure each row against exact shadows too (rays, by Embree)");
-    bench.add_flag("--rays", options.rays,
-                   "time Embree too, in the same rounds: its scene's build and its shadow rays, one sample a pixel");
+    bench.add_flag(
+        "--bits", options.bits,
+        "count what each soft row gets wrong of its pixels' light samples, by rays in double to the same ones");
+    bench.add_flag(
+        "--rays", options.rays,
+        "time Embree too, in the same rounds: its scene's build and its shadow rays, one place a pixel, to as "
+        "many samples of the light as the row with most takes");
     bench.add_option("--json", options.json, "the records")->type_name("FILE");
     add_session_options(bench, options);
 

@@ -46,6 +46,7 @@ struct Options {
     BenchMode mode = BenchMode::Frame;
     std::filesystem::path rows;  ///< bench: file of rows, in place of techniques, settings and map sizes
     bool errors = false;         ///< bench: compare with exact shadows too
+    bool bits = false;           ///< bench: count the wrong bits of soft layers too
     bool rays = false;           ///< bench: time Embree's shadow rays too
 };
 

@@ -26,8 +26,9 @@ void check_output(const std::filesystem::path& path) {
 }  // namespace
 
 void run_bench(const Options& options) {
-    if (options.errors && !can_measure_errors())
-        throw InputError("--errors: this shadowcore was built without Embree; build it with SHADOW_LAYERS_EMBREE=ON");
+    if ((options.errors || options.bits) && !can_measure_errors())
+        throw InputError(
+            "--errors, --bits: this shadowcore was built without Embree; build it with SHADOW_LAYERS_EMBREE=ON");
     check_output(options.json);
     nlohmann::json document = nlohmann::json::object(), records = nlohmann::json::array(),
                    rays = nlohmann::json::array();

@@ -4,7 +4,7 @@
 
 #include <set>
 
-#include "lights/view_casters.h"
+#include "truth/light_rule.h"
 
 namespace shadow_layers::truth {
 namespace {
@@ -29,7 +29,7 @@ EmbreeScene::EmbreeScene(RTCDevice device, const Scene& scene, const Light& ligh
     parts_.resize(instanced ? scene.meshes.size() : 1);
     std::set<std::uint32_t> filled;
     for (const Instance& instance : scene.instances) {
-        if (!casts_for(light, instance)) continue;
+        if (!may_cast(light, instance)) continue;
         glm::dmat4 matrix = instance.world_from_object;
         matrix[3] -= glm::dvec4(origin_ws, 0);
         const Mesh& mesh = *scene.meshes[instance.mesh];

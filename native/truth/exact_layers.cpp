@@ -6,12 +6,12 @@
 #include <cmath>
 
 #include "base/thread_pool.h"
-#include "lights/facing.h"
 #include "lights/light_shape.h"
 #include "lights/light_views.h"
 #include "shadow_layers/error.h"
 #include "truth/pixel_means.h"
 #include "truth/ray_oracle.h"
+#include "truth/soft_shadow.h"
 
 namespace shadow_layers::truth {
 namespace {
@@ -96,17 +96,29 @@ struct ExactLayers::Impl {
     Impl(std::shared_ptr<const Scene> scene, int threads, const std::atomic<bool>& cancelled_flag)
         : oracle(std::move(scene)), pool(threads), cancelled(cancelled_flag) {}
 
-    template <class Decide>
-    std::vector<float> decide_pixels(const Light& light, const LightSample& position, const Decide& decide) {
-        const FacingRule rule(frame, light, position);
-        std::vector<float> visibility(frame.pixel_count());
+    /// Calls work(pixel) for all pixels, by many threads.
+    template <class Work>
+    void for_pixels(const Work& work) {
         pool.parallel_for(frame.pixel_count(), kBlock, [&](std::size_t begin, std::size_t end) {
             check_cancelled();
-            for (std::size_t pixel = begin; pixel < end; ++pixel) {
-                const Facing facing = rule.classify(pixel);
-                visibility[pixel] =
-                    facing == Facing::Lit && light.casts_shadow ? decide(pixel) : get_unoccluded_visibility(facing);
-            }
+            for (std::size_t pixel = begin; pixel < end; ++pixel) work(pixel);
+        });
+    }
+
+    Standing find_standing(const LightRule& rule, std::size_t pixel) const {
+        const auto receiver = oracle.find_receiver(frame, pixel);
+        return receiver ? rule.find_standing(*receiver) : Standing::Apart;
+    }
+
+    template <class Decide>
+    std::vector<float> decide_pixels(const Light& light, const LightSample& position, const Decide& decide) {
+        const LightRule rule(*frame.scene, light, position);
+        std::vector<float> visibility(frame.pixel_count());
+        for_pixels([&](std::size_t pixel) {
+            const Standing standing = find_standing(rule, pixel);
+            visibility[pixel] = standing == Standing::Facing && light.casts_shadow ? decide(pixel)
+                                : standing == Standing::TurnedAway                 ? 0.0f
+                                                                                   : 1.0f;
         });
         return visibility;
     }
@@ -197,24 +209,14 @@ struct ExactLayers::Impl {
         });
     }
 
-    // Light with shadows by light without them, as Cycles's ratio; where no position brings light, the plain mean.
-    std::vector<float> compute_soft(const Light& light) {
-        const auto positions = sample_light_shape(light, kLightSamples, LightPattern::Spiral);
-        std::vector<double> lit(frame.pixel_count()), all(frame.pixel_count()), plain(frame.pixel_count());
-        for (const LightSample& position : positions) {
-            const std::vector<float> mask = compute_hard(light, position);
-            const FacingRule rule(frame, light, position);
-            for (std::size_t pixel = 0; pixel < mask.size(); ++pixel) {
-                const double weight = rule.classify(pixel) == Facing::Lit ? rule.get_weight(pixel) : 0;
-                lit[pixel] += weight * mask[pixel];
-                all[pixel] += weight;
-                plain[pixel] += mask[pixel] / double(positions.size());
-            }
-        }
-        std::vector<float> mean(lit.size());
-        for (std::size_t pixel = 0; pixel < mean.size(); ++pixel)
-            mean[pixel] = float(all[pixel] > 0 ? lit[pixel] / all[pixel] : plain[pixel]);
-        return mean;
+    SoftTruth compute_soft(const Light& light) {
+        const ShapeShadows shadows(oracle, frame, light);
+        SoftTruth truth{std::vector<float>(frame.pixel_count()), std::vector<float>(frame.pixel_count())};
+        for_pixels([&](std::size_t pixel) {
+            const LitEstimate estimate = shadows.estimate_lit_part(pixel);
+            truth.mean[pixel] = float(estimate.mean), truth.standard_error[pixel] = float(estimate.standard_error);
+        });
+        return truth;
     }
 
     std::vector<float> compute_pixel(const Light& light) {
@@ -248,7 +250,7 @@ std::vector<float> ExactLayers::compute(std::uint32_t light, const TruthSpec& sp
     const Light& source = impl_->frame.scene->lights[light];
     switch (spec.kind) {
         case TruthKind::Soft:
-            return impl_->compute_soft(source);
+            return impl_->compute_soft(source).mean;
         case TruthKind::Filtered:
             return impl_->compute_filtered(source, spec, map_size);
         case TruthKind::Pixel:
@@ -259,13 +261,34 @@ std::vector<float> ExactLayers::compute(std::uint32_t light, const TruthSpec& sp
     return impl_->compute_hard(source, sample_light_shape(source, 1).front());
 }
 
+SoftTruth ExactLayers::compute_soft(std::uint32_t light) const {
+    return impl_->compute_soft(impl_->frame.scene->lights[light]);
+}
+
+std::vector<LitPart> ExactLayers::compute_at_samples(std::uint32_t light, int light_samples, LightPattern pattern,
+                                                     const Image& ids) const {
+    Frame seen = impl_->frame;
+    for (std::size_t pixel = 0; pixel < seen.pixel_count(); ++pixel) {
+        const float* id = &ids.data[2 * pixel];
+        seen.ids[pixel] = id[0] < 0 ? PixelIds{} : PixelIds{std::uint32_t(id[0]), std::uint32_t(id[1])};
+        seen.coverage[pixel] =
+            id[0] >= 0 && !(seen.scene->instances[seen.ids[pixel].instance].flags & kInstanceHoldout);
+    }
+    const Light& source = seen.scene->lights[light];
+    const auto samples = sample_light_shape(source, light_samples, pattern);
+    const SampleShadows shadows(impl_->oracle, seen, source, samples);
+    std::vector<LitPart> parts(seen.pixel_count());
+    impl_->for_pixels([&](std::size_t pixel) { parts[pixel] = shadows.find_lit_part(pixel); });
+    return parts;
+}
+
 std::vector<std::uint8_t> ExactLayers::find_comparable(std::uint32_t light) const {
     const Light& source = impl_->frame.scene->lights[light];
     const LightSample position = sample_light_shape(source, 1).front();
-    const FacingRule rule(impl_->frame, source, position);
+    const LightRule rule(*impl_->frame.scene, source, position);
     std::vector<std::uint8_t> comparable(impl_->frame.pixel_count());
-    for (std::size_t pixel = 0; pixel < comparable.size(); ++pixel)
-        comparable[pixel] = rule.classify(pixel) == Facing::Lit;
+    impl_->for_pixels(
+        [&](std::size_t pixel) { comparable[pixel] = impl_->find_standing(rule, pixel) == Standing::Facing; });
     return comparable;
 }
 

@@ -2,33 +2,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "truth/pixel_samples.h"
 
-#include "lights/facing.h"
 #include "lights/sample_pattern.h"
 
 namespace shadow_layers::truth {
-namespace {
-
-/// A frame whose pixels are places in one pixel, for the one rule of what faces the light.
-struct ReceiverList {
-    ReceiverList(const Frame& seen, std::size_t count) : points_ws(count) {
-        frame.width = int(count), frame.height = 1;
-        frame.origin_ws = seen.origin_ws;
-        frame.scene = seen.scene;
-        frame.positions_rel.assign(count, glm::vec3(0));
-        frame.normals.assign(count, glm::vec3(0));
-        frame.ids.assign(count, {});
-        frame.coverage.assign(count, 0);
-    }
-    void set(std::size_t k, const RayOracle& oracle, const PixelRay& ray, const std::optional<RayHit>& hit) {
-        if (!hit) return;
-        points_ws[k] = ray.origin_ws + hit->distance * ray.direction;
-        oracle.set_receiver(frame, k, ray, *hit);
-    }
-    Frame frame;
-    std::vector<glm::dvec3> points_ws;
-};
-
-}  // namespace
 
 PixelSamples::PixelSamples(const RayOracle& oracle, const Frame& frame, const Light& light, const LightSample& position)
     : oracle_(oracle), frame_(frame), light_(light), position_(position) {}
@@ -41,34 +17,35 @@ std::optional<RayHit> PixelSamples::see(const PixelRay& ray) const {
     return hit;
 }
 
-std::optional<RayHit> PixelSamples::meet_facet(const PixelRay& ray, const PixelIds& ids) const {
+std::optional<RayHit> PixelSamples::meet_facet(const PixelRay& ray, std::size_t pixel) const {
+    const PixelIds ids = frame_.ids[pixel];
+    if (ids.instance == kNoId) return std::nullopt;
     const auto distance = oracle_.meet_plane(ray, ids);
     if (!distance || (frame_.camera.perspective && *distance <= 0)) return std::nullopt;
     return RayHit{ids, *distance};
+}
+
+bool PixelSamples::is_lit(const PixelRay& ray, const std::optional<RayHit>& hit, const LightRule& rule,
+                          SampleReceiver kind) const {
+    if (!hit || frame_.scene->instances[hit->ids.instance].flags & kInstanceHoldout) return true;
+    const Receiver receiver = oracle_.make_receiver(ray, *hit);
+    const Standing standing = rule.find_standing(receiver);
+    if (standing != Standing::Facing || !light_.casts_shadow) return standing != Standing::TurnedAway;
+    const OwnSurface own = kind == SampleReceiver::OwnRay ? OwnSurface::Neighbours : OwnSurface::WholePlane;
+    return !oracle_.look(receiver, light_, position_, own).blocked;
 }
 
 std::vector<std::uint8_t> PixelSamples::find_visibility(std::size_t pixel, std::span<const glm::dvec2> offsets_px,
                                                         SampleReceiver receiver) const {
     const auto width = std::size_t(frame_.width);
     const glm::dvec2 centre(double(pixel % width) + 0.5, double(pixel / width) + 0.5);
-    const PixelIds ids = frame_.ids[pixel];
-    ReceiverList receivers(frame_, offsets_px.size());
-    for (std::size_t k = 0; k < offsets_px.size(); ++k) {
-        const glm::dvec2 place = centre + offsets_px[k];
+    const LightRule rule(*frame_.scene, light_, position_);
+    std::vector<std::uint8_t> visible;
+    for (const glm::dvec2& offset : offsets_px) {
+        const glm::dvec2 place = centre + offset;
         const PixelRay ray = compute_pixel_ray(frame_.camera, place.x, place.y, frame_.width, frame_.height);
-        if (receiver == SampleReceiver::OwnRay)
-            receivers.set(k, oracle_, ray, see(ray));
-        else if (ids.instance != kNoId)
-            receivers.set(k, oracle_, ray, meet_facet(ray, ids));
-    }
-    const FacingRule rule(receivers.frame, light_, position_);
-    const OwnSurface own = receiver == SampleReceiver::OwnRay ? OwnSurface::Neighbours : OwnSurface::WholePlane;
-    std::vector<std::uint8_t> visible(offsets_px.size());
-    for (std::size_t k = 0; k < offsets_px.size(); ++k) {
-        const Facing facing = rule.classify(k);
-        visible[k] = get_unoccluded_visibility(facing) > 0;
-        if (facing == Facing::Lit && light_.casts_shadow)
-            visible[k] = !oracle_.is_occluded(receivers.points_ws[k], receivers.frame.ids[k], light_, position_, own);
+        visible.push_back(
+            is_lit(ray, receiver == SampleReceiver::OwnRay ? see(ray) : meet_facet(ray, pixel), rule, receiver));
     }
     return visible;
 }

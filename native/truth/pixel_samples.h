@@ -24,7 +24,7 @@ public:
     PixelSamples(const RayOracle& oracle, const Frame& frame, const Light& light, const LightSample& position);
 
     /// For each offset (dx, dy), in pixels from the pixel's centre: 1 = lit, 0 = in shadow or turned away. Each place
-    /// goes by the rule of lights/facing.h for itself: 1 in the background, outside the cone and unlinked. With
+    /// goes by the rule of light_rule.h for itself: 1 in the background, outside the cone and unlinked. With
     /// CentreFacet all places of a pixel whose centre sees background are background, and a ray that misses the plane
     /// is lit. May be called by many threads.
     std::vector<std::uint8_t> find_visibility(std::size_t pixel, std::span<const glm::dvec2> offsets_px,
@@ -33,8 +33,10 @@ public:
 private:
     /// What the camera sees along the ray.
     std::optional<RayHit> see(const PixelRay& ray) const;
-    /// Where the ray meets the plane of the triangle before the camera.
-    std::optional<RayHit> meet_facet(const PixelRay& ray, const PixelIds& ids) const;
+    /// Where the ray meets the plane of the pixel's triangle before the camera.
+    std::optional<RayHit> meet_facet(const PixelRay& ray, std::size_t pixel) const;
+    bool is_lit(const PixelRay& ray, const std::optional<RayHit>& hit, const LightRule& rule,
+                SampleReceiver kind) const;
 
     const RayOracle& oracle_;
     const Frame& frame_;

@@ -7,9 +7,6 @@
 #include <cmath>
 #include <vector>
 
-#include "lights/view_casters.h"
-#include "truth/ray_triangle.h"
-
 namespace shadow_layers::truth {
 namespace {
 
@@ -79,10 +76,16 @@ struct PlaneShadows::Facet {
 
 PlaneShadows::PlaneShadows(const RayOracle& oracle, const TriangleTree& tree, const Frame& frame, const Light& light,
                            const LightSample& position)
-    : oracle_(oracle), tree_(tree), frame_(frame), light_(light), position_(position), rule_(frame, light, position) {}
+    : oracle_(oracle),
+      tree_(tree),
+      frame_(frame),
+      light_(light),
+      position_(position),
+      rule_(*frame.scene, light, position) {}
 
 std::optional<PlaneShadows::Facet> PlaneShadows::find_facet(std::size_t pixel) const {
-    if (rule_.classify(pixel) != Facing::Lit) return std::nullopt;
+    const auto receiver = oracle_.find_receiver(frame_, pixel);
+    if (!receiver || rule_.find_standing(*receiver) != Standing::Facing) return std::nullopt;
     const Camera& camera = frame_.camera;
     const double column = double(pixel % std::size_t(frame_.width)), row = double(pixel / std::size_t(frame_.width));
     const auto make_ray = [&](double x, double y) {
@@ -92,11 +95,9 @@ std::optional<PlaneShadows::Facet> PlaneShadows::find_facet(std::size_t pixel) c
     const auto distance = oracle_.meet_plane(centre, frame_.ids[pixel]);
     if (!distance) return std::nullopt;
     const glm::dvec3 point_ws = centre.origin_ws + *distance * centre.direction;
-    const auto corners = oracle_.get_corners(frame_.ids[pixel]);
     Facet facet;
     facet.origin = point_ws - oracle_.get_origin();
-    facet.normal = glm::normalize(glm::cross(corners[1] - corners[0], corners[2] - corners[0]));
-    if (glm::dot(facet.normal, centre.direction) > 0) facet.normal = -facet.normal;
+    facet.normal = receiver->normal;
     for (int k = 0; k < 4; ++k) {
         const PixelRay ray = make_ray(k & 1, k >> 1);
         const auto at = oracle_.meet_plane(ray, frame_.ids[pixel]);
@@ -120,13 +121,12 @@ std::optional<PlaneShadows::Facet> PlaneShadows::find_facet(std::size_t pixel) c
 
 bool PlaneShadows::is_in_cone(const Facet& facet) const {
     return std::all_of(facet.square_p.begin(), facet.square_p.end(), [&](const glm::dvec3& corner) {
-        const glm::dvec3 point_ws = corner + facet.origin + oracle_.get_origin();
-        return rule_.is_in_cone(position_.directional ? position_.to_light_ws : position_.position_ws - point_ws);
+        return rule_.is_in_cone(corner + facet.origin + oracle_.get_origin());
     });
 }
 
 bool PlaneShadows::may_cast(const PixelIds& ids) const {
-    return casts_for(light_, frame_.scene->instances[ids.instance]);
+    return truth::may_cast(light_, frame_.scene->instances[ids.instance]);
 }
 
 std::optional<double> PlaneShadows::find_lit_part(std::size_t pixel) const {

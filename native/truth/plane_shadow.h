@@ -4,7 +4,6 @@
 
 #include <optional>
 
-#include "lights/facing.h"
 #include "truth/triangle_tree.h"
 #include "truth/union_area.h"
 
@@ -25,7 +24,7 @@ public:
     /// The part of the pixel's square, 0 to 1, that the light reaches on the plane of the triangle that the pixel's
     /// centre sees, as if that plane were endless and alone; triangles that lie in it don't cast. Exactly 0 or 1 where
     /// less than 1e-9 of it is lit or in shadow. Nothing where the
-    /// centre is no receiver turned to the light (Facing::Lit), the plane's horizon or the rim of the light's cone
+    /// centre is no receiver turned to the light (Standing::Facing), the plane's horizon or the rim of the light's cone
     /// crosses the square.
     std::optional<double> find_lit_part(std::size_t pixel) const;
 
@@ -44,7 +43,7 @@ private:
     const Frame& frame_;
     const Light& light_;
     const LightSample& position_;
-    FacingRule rule_;
+    LightRule rule_;
 };
 
 }  // namespace shadow_layers::truth

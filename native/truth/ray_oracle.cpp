@@ -6,37 +6,42 @@
 
 #include <algorithm>
 #include <array>
-#include <cmath>
 #include <limits>
 #include <stdexcept>
 
-#include "base/thread_pool.h"
-#include "lights/facing.h"
 #include "scene/bounds.h"
-#include "truth/ray_triangle.h"
 
 namespace shadow_layers::truth {
 
 namespace {
+
+constexpr double kRounding = std::numeric_limits<double>::epsilon();
 
 struct Triangle {
     Corners corners;
     PixelIds ids;
 };
 
+/// The surface that a receiver lies on.
+struct Self {
+    PixelIds ids;
+    Corners corners;
+    glm::dvec3 normal{0.0};  ///< unit
+    bool leaves_plane_out = false;
+};
+
 /// What the callbacks need; Embree hands the first member back.
 struct Query {
     RTCIntersectContext context;
-    glm::dvec3 origin, direction;
-    double near, far;
+    SightLine line;
+    double near = 0, far = 1;  ///< in lengths of the way
     std::uint32_t flags = ~0u;
     const Light* light = nullptr;
-    PixelIds self;
-    Corners self_corners;
-    bool has_self = false, leaves_plane_out = false;
-    glm::dvec3 self_normal{0.0};
-    double length = 1, ahead = 0;  ///< of the direction; where the float ray starts, along it
+    const Self* self = nullptr;
+    double length = 1, ahead = 0;  ///< of the way; where the float ray starts, along it
     std::optional<RayHit> first;
+    Sight sight;
+    bool is_settled = false;  ///< blocked for certain
 };
 
 }  // namespace
@@ -44,25 +49,27 @@ struct Query {
 struct RayOracle::Impl {
     std::shared_ptr<const Scene> scene;
     glm::dvec3 origin{0.0};
-    double pad = 0;
+    double pad = 0, reach = 0;
     std::vector<Triangle> triangles;
     std::vector<std::size_t> first_triangle;  ///< per instance
     RTCDevice device = nullptr;
     RTCScene embree = nullptr;
 
-    bool meets(Query& query, const Triangle& triangle, double& distance) const {
+    bool counts(const Query& query, const Triangle& triangle) const {
         const Instance& instance = scene->instances[triangle.ids.instance];
-        if (!(instance.flags & query.flags)) return false;
-        if (query.light && !(query.light->blocker_set >> instance.blocker_group & 1u)) return false;
-        if (query.has_self && triangle.ids.instance == query.self.instance &&
-            triangle.ids.triangle == query.self.triangle)
-            return false;
-        const auto hit = intersect_triangle(query.origin, query.direction, triangle.corners);
-        if (!hit || !(*hit > query.near && *hit < query.far)) return false;
-        if (query.has_self && is_neighbour_in_plane(query.self_corners, triangle.corners)) return false;
-        if (query.leaves_plane_out && lies_in_plane(triangle.corners, query.origin, query.self_normal)) return false;
-        distance = *hit;
-        return true;
+        return query.light ? may_cast(*query.light, instance) : (instance.flags & query.flags) != 0;
+    }
+
+    /// Does the triangle block the query's line?
+    Sight block(const Query& query, const Triangle& triangle) const {
+        const Self& self = *query.self;
+        if (triangle.ids.instance == self.ids.instance && triangle.ids.triangle == self.ids.triangle) return {};
+        const Crossing crossing = cross_triangle(query.line, triangle.corners);
+        if (!crossing.meets && crossing.certain) return {};
+        const Neighbourhood near = find_neighbourhood(self.corners, triangle.corners, query.line.slack);
+        if (near.is_own_surface && near.certain) return {};
+        if (self.leaves_plane_out && lies_in_plane(triangle.corners, query.line.start, self.normal)) return {};
+        return {crossing.meets && !near.is_own_surface, crossing.certain && near.certain};
     }
 
     static void bounds(const RTCBoundsFunctionArguments* args) {
@@ -76,27 +83,35 @@ struct RayOracle::Impl {
         if (!args->valid[0]) return;
         const auto& self = *static_cast<const Impl*>(args->geometryUserPtr);
         auto& query = *reinterpret_cast<Query*>(args->context);
-        double distance;
-        if (self.meets(query, self.triangles[args->primID], distance))
-            reinterpret_cast<RTCRay*>(args->ray)->tfar = -std::numeric_limits<float>::infinity();
+        const Triangle& triangle = self.triangles[args->primID];
+        if (query.is_settled || !self.counts(query, triangle)) return;
+        const Sight sight = self.block(query, triangle);
+        query.is_settled = sight.blocked && sight.certain;
+        query.sight.blocked = query.sight.blocked || sight.blocked;
+        query.sight.certain = query.is_settled || (query.sight.certain && sight.certain);
+        if (!query.is_settled) return;
+        reinterpret_cast<RTCRay*>(args->ray)->tfar = -std::numeric_limits<float>::infinity();
     }
     static void intersected(const RTCIntersectFunctionNArguments* args) {
         if (!args->valid[0]) return;
         const auto& self = *static_cast<const Impl*>(args->geometryUserPtr);
         auto& query = *reinterpret_cast<Query*>(args->context);
-        double distance;
-        if (!self.meets(query, self.triangles[args->primID], distance)) return;
-        query.far = distance;
-        query.first = RayHit{self.triangles[args->primID].ids, distance};
-        reinterpret_cast<RTCRayHit*>(args->rayhit)->ray.tfar = float(distance * query.length - query.ahead + self.pad);
+        const Triangle& triangle = self.triangles[args->primID];
+        if (!self.counts(query, triangle)) return;
+        const Crossing crossing = cross_triangle(query.line, triangle.corners);
+        if (!crossing.meets || !(crossing.distance > query.near && crossing.distance < query.far)) return;
+        query.far = crossing.distance;
+        query.first = RayHit{triangle.ids, crossing.distance};
+        reinterpret_cast<RTCRayHit*>(args->rayhit)->ray.tfar =
+            float(crossing.distance * query.length - query.ahead + self.pad);
     }
 
     RTCRay make_ray(Query& query) const {
-        const double length = query.length = glm::length(query.direction);
-        const glm::dvec3 unit = query.direction / length;
+        const double length = query.length = glm::length(query.line.way);
+        const glm::dvec3 unit = query.line.way / length;
         // A start far outside of the scene is moved along the ray to just before it, for the sake of float boxes.
-        const double ahead = query.ahead = std::max(query.near * length, -glm::dot(query.origin, unit) - reach * 2);
-        const glm::dvec3 start = query.origin + ahead * unit;
+        const double ahead = query.ahead = std::max(query.near * length, -glm::dot(query.line.start, unit) - reach * 2);
+        const glm::dvec3 start = query.line.start + ahead * unit;
         RTCRay ray{};
         ray.org_x = float(start.x), ray.org_y = float(start.y), ray.org_z = float(start.z);
         ray.dir_x = float(unit.x), ray.dir_y = float(unit.y), ray.dir_z = float(unit.z);
@@ -105,52 +120,56 @@ struct RayOracle::Impl {
         ray.mask = ~0u;
         return ray;
     }
-    double reach = 0;
-};
 
-RayOracle::RayOracle(std::shared_ptr<const Scene> scene) : impl_(std::make_unique<Impl>()) {
-    impl_->scene = std::move(scene);
-    const Scene& all = *impl_->scene;
-    const Bounds bounds = compute_scene_bounds(all, ~0u);
-    if (!bounds.is_empty()) {
-        impl_->origin = 0.5 * (bounds.min + bounds.max);
-        impl_->reach = glm::length(bounds.max - bounds.min);
-    }
-    impl_->pad = 2e-6 * impl_->reach;
-    for (std::uint32_t i = 0; i < all.instances.size(); ++i) {
-        const Instance& instance = all.instances[i];
-        const Mesh& mesh = *all.meshes[instance.mesh];
+    void add_triangles(std::uint32_t number) {
+        const Instance& instance = scene->instances[number];
+        const Mesh& mesh = *scene->meshes[instance.mesh];
         glm::dmat4 matrix = instance.world_from_object;
-        matrix[3] -= glm::dvec4(impl_->origin, 0);
-        impl_->first_triangle.push_back(impl_->triangles.size());
+        matrix[3] -= glm::dvec4(origin, 0);
+        first_triangle.push_back(triangles.size());
         for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t) {
             Triangle triangle;
             bool usable = true;
             for (int k = 0; k < 3; ++k) {
                 const glm::vec3& p = mesh.positions[mesh.triangles[t][k]];
                 usable = usable && is_usable_vertex(p);
-                triangle.corners[k] = glm::dvec3(matrix * glm::dvec4(p, 1));
+                triangle.corners[std::size_t(k)] = glm::dvec3(matrix * glm::dvec4(p, 1));
             }
             if (!usable) triangle.corners = {};  // no area at the origin: met by no ray
-            triangle.ids = {i, t};
-            impl_->triangles.push_back(triangle);
+            triangle.ids = {number, t};
+            triangles.push_back(triangle);
         }
     }
-    impl_->device = rtcNewDevice(nullptr);
-    if (!impl_->device) throw std::runtime_error("Embree made no device");
-    impl_->embree = rtcNewScene(impl_->device);
-    rtcSetSceneFlags(impl_->embree, RTC_SCENE_FLAG_ROBUST);
-    const RTCGeometry geometry = rtcNewGeometry(impl_->device, RTC_GEOMETRY_TYPE_USER);
-    rtcSetGeometryUserPrimitiveCount(geometry, unsigned(impl_->triangles.size()));
-    rtcSetGeometryUserData(geometry, impl_.get());
-    rtcSetGeometryBoundsFunction(
-        geometry, [](const RTCBoundsFunctionArguments* args) { Impl::bounds(args); }, nullptr);
-    rtcSetGeometryOccludedFunction(geometry, &Impl::occluded);
-    rtcSetGeometryIntersectFunction(geometry, &Impl::intersected);
-    rtcCommitGeometry(geometry);
-    rtcAttachGeometry(impl_->embree, geometry);
-    rtcReleaseGeometry(geometry);
-    rtcCommitScene(impl_->embree);
+
+    void build_tree() {
+        device = rtcNewDevice(nullptr);
+        if (!device) throw std::runtime_error("Embree made no device");
+        embree = rtcNewScene(device);
+        rtcSetSceneFlags(embree, RTC_SCENE_FLAG_ROBUST);
+        const RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_USER);
+        rtcSetGeometryUserPrimitiveCount(geometry, unsigned(triangles.size()));
+        rtcSetGeometryUserData(geometry, this);
+        rtcSetGeometryBoundsFunction(
+            geometry, [](const RTCBoundsFunctionArguments* args) { bounds(args); }, nullptr);
+        rtcSetGeometryOccludedFunction(geometry, &Impl::occluded);
+        rtcSetGeometryIntersectFunction(geometry, &Impl::intersected);
+        rtcCommitGeometry(geometry);
+        rtcAttachGeometry(embree, geometry);
+        rtcReleaseGeometry(geometry);
+        rtcCommitScene(embree);
+    }
+};
+
+RayOracle::RayOracle(std::shared_ptr<const Scene> scene) : impl_(std::make_unique<Impl>()) {
+    impl_->scene = std::move(scene);
+    const Bounds bounds = compute_scene_bounds(*impl_->scene, ~0u);
+    if (!bounds.is_empty()) {
+        impl_->origin = 0.5 * (bounds.min + bounds.max);
+        impl_->reach = glm::length(bounds.max - bounds.min);
+    }
+    impl_->pad = 2e-6 * impl_->reach;
+    for (std::uint32_t i = 0; i < impl_->scene->instances.size(); ++i) impl_->add_triangles(i);
+    impl_->build_tree();
 }
 
 RayOracle::~RayOracle() {
@@ -159,6 +178,7 @@ RayOracle::~RayOracle() {
 }
 
 glm::dvec3 RayOracle::get_origin() const { return impl_->origin; }
+const std::shared_ptr<const Scene>& RayOracle::get_scene() const { return impl_->scene; }
 
 std::array<glm::dvec3, 3> RayOracle::get_corners(const PixelIds& ids) const {
     return impl_->triangles[impl_->first_triangle[ids.instance] + ids.triangle].corners;
@@ -168,8 +188,7 @@ std::optional<RayHit> RayOracle::find_first(const glm::dvec3& origin_ws, const g
                                             double far, std::uint32_t flags) const {
     Query query;
     rtcInitIntersectContext(&query.context);
-    query.origin = origin_ws - impl_->origin;
-    query.direction = direction;
+    query.line = {origin_ws - impl_->origin, direction, true, 0};
     query.near = near, query.far = far, query.flags = flags;
     RTCRayHit ray{};
     ray.ray = impl_->make_ray(query);
@@ -178,27 +197,28 @@ std::optional<RayHit> RayOracle::find_first(const glm::dvec3& origin_ws, const g
     return query.first;
 }
 
-bool RayOracle::is_occluded(const glm::dvec3& receiver_ws, const PixelIds& receiver, const Light& light,
-                            const LightSample& position, OwnSurface own) const {
+Sight RayOracle::look(const Receiver& receiver, const Light& light, const LightSample& sample, OwnSurface own) const {
     Query query;
     rtcInitIntersectContext(&query.context);
-    query.origin = receiver_ws - impl_->origin;
-    query.direction =
-        position.directional ? position.to_light_ws * (4 * impl_->reach + 1e-300) : position.position_ws - receiver_ws;
-    if (query.direction == glm::dvec3(0)) return false;
-    query.near = 0;
-    query.far = 1;
-    query.flags = kInstanceShadow;
+    query.line.start = receiver.place_ws - impl_->origin;
+    query.line.endless = sample.directional;
+    query.line.way =
+        sample.directional ? sample.to_light_ws * (4 * impl_->reach + 1e-300) : sample.position_ws - receiver.place_ws;
+    query.line.slack = receiver.slack;
+    if (!sample.directional) query.line.slack += 8 * kRounding * glm::length(sample.position_ws);
+    if (query.line.way == glm::dvec3(0)) return {false, false};
     query.light = &light;
-    query.self = receiver;
-    query.self_corners = get_corners(receiver);
-    query.has_self = true;
-    query.leaves_plane_out = own == OwnSurface::WholePlane;
-    const Corners& c = query.self_corners;
-    query.self_normal = glm::normalize(glm::cross(c[1] - c[0], c[2] - c[0]));
+    Self self{receiver.ids, get_corners(receiver.ids), glm::dvec3(0), own == OwnSurface::WholePlane};
+    self.normal = glm::normalize(glm::cross(self.corners[1] - self.corners[0], self.corners[2] - self.corners[0]));
+    query.self = &self;
     RTCRay ray = impl_->make_ray(query);
     rtcOccluded1(impl_->embree, &query.context, &ray);
-    return ray.tfar < 0;
+    return query.sight;
+}
+
+bool RayOracle::is_occluded(const glm::dvec3& receiver_ws, const PixelIds& receiver, const Light& light,
+                            const LightSample& sample, OwnSurface own) const {
+    return look({receiver, receiver_ws, glm::dvec3(0), 0, 0, true}, light, sample, own).blocked;
 }
 
 std::optional<double> RayOracle::meet_plane(const PixelRay& ray, const PixelIds& ids) const {
@@ -207,78 +227,6 @@ std::optional<double> RayOracle::meet_plane(const PixelRay& ray, const PixelIds&
     const double along = glm::dot(ray.direction, normal);
     if (along == 0) return std::nullopt;
     return glm::dot(corners[0] + (impl_->origin - ray.origin_ws), normal) / along;
-}
-
-std::vector<float> RayOracle::compute_visibility(const Frame& frame, const Light& light, const LightSample& position,
-                                                 ThreadPool* threads) const {
-    const FacingRule rule(frame, light, position);
-    std::vector<float> visibility(frame.pixel_count());
-    const auto work = [&](std::size_t begin, std::size_t end) {
-        for (std::size_t pixel = begin; pixel < end; ++pixel) {
-            const Facing facing = rule.classify(pixel);
-            visibility[pixel] = get_unoccluded_visibility(facing);
-            if (facing != Facing::Lit || !light.casts_shadow) continue;
-            const PixelIds ids = frame.ids[pixel];
-            const PixelRay ray =
-                compute_pixel_ray(frame.camera, double(pixel % std::size_t(frame.width)) + 0.5,
-                                  double(pixel / std::size_t(frame.width)) + 0.5, frame.width, frame.height);
-            const auto distance = meet_plane(ray, ids);
-            const glm::dvec3 receiver = distance ? ray.origin_ws + *distance * ray.direction
-                                                 : frame.origin_ws + glm::dvec3(frame.positions_rel[pixel]);
-            if (is_occluded(receiver, ids, light, position)) visibility[pixel] = 0;
-        }
-    };
-    if (threads)
-        threads->parallel_for(frame.pixel_count(), 1 << 12, work);
-    else
-        work(0, frame.pixel_count());
-    return visibility;
-}
-
-void RayOracle::set_receiver(Frame& frame, std::size_t pixel, const PixelRay& ray, const RayHit& hit) const {
-    const Corners c = get_corners(hit.ids);
-    const glm::dvec3 normal = glm::normalize(glm::cross(c[1] - c[0], c[2] - c[0]));
-    frame.ids[pixel] = hit.ids;
-    frame.coverage[pixel] = !(impl_->scene->instances[hit.ids.instance].flags & kInstanceHoldout);
-    frame.positions_rel[pixel] = glm::vec3(ray.origin_ws + hit.distance * ray.direction - frame.origin_ws);
-    frame.normals[pixel] = glm::vec3(glm::dot(normal, ray.direction) > 0 ? -normal : normal);
-}
-
-Frame RayOracle::make_frame(const Camera& camera, int width, int height, ThreadPool* threads) const {
-    Frame frame;
-    frame.width = width, frame.height = height;
-    frame.region = {0, 0, width, height};
-    frame.camera = camera;
-    frame.origin_ws = glm::dvec3(camera.world_from_camera[3]);
-    frame.scene = impl_->scene;
-    frame.positions_rel.assign(frame.pixel_count(), glm::vec3(0));
-    frame.normals.assign(frame.pixel_count(), glm::vec3(0));
-    frame.ids.assign(frame.pixel_count(), {});
-    frame.coverage.assign(frame.pixel_count(), 0);
-    const auto work = [&](std::size_t begin, std::size_t end) {
-        for (std::size_t pixel = begin; pixel < end; ++pixel) {
-            const PixelRay ray = compute_pixel_ray(camera, double(pixel % std::size_t(width)) + 0.5,
-                                                   double(pixel / std::size_t(width)) + 0.5, width, height);
-            const auto hit =
-                find_first(ray.origin_ws, ray.direction, camera.clip_start, camera.clip_end, kInstanceCamera);
-            if (hit) set_receiver(frame, pixel, ray, *hit);
-        }
-    };
-    if (threads)
-        threads->parallel_for(frame.pixel_count(), 1 << 12, work);
-    else
-        work(0, frame.pixel_count());
-    return frame;
-}
-
-PixelRay compute_pixel_ray(const Camera& camera, double x_px, double y_px, int width, int height) {
-    const CameraWindow& window = camera.window;
-    const double x = window.left + (window.right - window.left) * x_px / width;
-    const double y = window.bottom + (window.top - window.bottom) * y_px / height;
-    const glm::dmat3 axes(camera.world_from_camera);
-    const glm::dvec3 eye(camera.world_from_camera[3]);
-    if (camera.perspective) return {eye, axes * glm::dvec3(x, y, -1)};
-    return {eye + axes * glm::dvec3(x, y, 0), axes * glm::dvec3(0, 0, -1)};
 }
 
 }  // namespace shadow_layers::truth

@@ -5,42 +5,30 @@
 #include <embree3/rtcore.h>
 
 #include <algorithm>
+#include <cstdlib>
 #include <ctime>
-#include <limits>
+#include <optional>
 #include <stdexcept>
 #include <string>
 
 #include "base/clock.h"
 #include "base/thread_pool.h"
 #include "frame/frame.h"
-#include "lights/facing.h"
 #include "lights/light_shape.h"
 #include "lights/light_views.h"
 #include "scene/bounds.h"
 #include "truth/embree_scene.h"
+#include "truth/ray_batches.h"
 
 namespace shadow_layers::truth {
 namespace {
-
-constexpr unsigned kPacket = 16;
-constexpr std::size_t kPacketsPerBlock = 64;
-constexpr int kPixelBlock = 4;
-constexpr std::size_t kBandsPerBlock = 4;
-// Rays leave their receivers by this part of the scene's size: Embree knows nothing of the receiver's own triangle.
-constexpr double kLeave = 1e-5;
 
 constexpr ShadowRayMode kModes[] = {{"low quality", false, false},
                                     {"medium quality", true, false},
                                     {"low quality, instances", false, true},
                                     {"medium quality, instances", true, true}};
 
-/// A receiver of the picture, relative to the camera, and the way to the light.
-struct Receiver {
-    glm::vec3 origin, to_light;
-    std::uint32_t pixel;
-};
-
-/// The frame as far as FacingRule asks for it.
+/// The frame as far as it is asked for.
 Frame make_frame(const RenderRequest& request, const FrameResult& result) {
     Frame frame;
     frame.width = result.coverage.width, frame.height = result.coverage.height;
@@ -56,94 +44,6 @@ Frame make_frame(const RenderRequest& request, const FrameResult& result) {
     }
     return frame;
 }
-
-/// Those whose visibility the casters decide, in blocks of pixels, so that a packet's rays lie close together.
-class ReceiverList {
-public:
-    ReceiverList(const Frame& frame, const FacingRule& rule) : frame_(frame), rule_(rule) {}
-
-    std::vector<Receiver> make(ThreadPool& threads) const {
-        const std::size_t count = std::size_t((frame_.height + kPixelBlock - 1) / kPixelBlock);
-        std::vector<std::vector<Receiver>> bands(count);
-        threads.parallel_for(count, kBandsPerBlock, [&](std::size_t begin, std::size_t end) {
-            for (std::size_t band = begin; band < end; ++band) list_band(int(band) * kPixelBlock, bands[band]);
-        });
-        std::vector<std::size_t> first(count + 1, 0);
-        for (std::size_t band = 0; band < count; ++band) first[band + 1] = first[band] + bands[band].size();
-        std::vector<Receiver> all(first.back());
-        threads.parallel_for(count, kBandsPerBlock, [&](std::size_t begin, std::size_t end) {
-            for (std::size_t band = begin; band < end; ++band)
-                std::copy(bands[band].begin(), bands[band].end(), all.begin() + std::ptrdiff_t(first[band]));
-        });
-        return all;
-    }
-
-private:
-    void list_band(int top, std::vector<Receiver>& band) const {
-        band.reserve(std::size_t(kPixelBlock) * std::size_t(frame_.width));
-        for (int left = 0; left < frame_.width; left += kPixelBlock)
-            for (int y = top; y < std::min(top + kPixelBlock, frame_.height); ++y)
-                for (int x = left; x < std::min(left + kPixelBlock, frame_.width); ++x) {
-                    const std::size_t pixel = std::size_t(y) * std::size_t(frame_.width) + std::size_t(x);
-                    if (rule_.classify(pixel) != Facing::Lit) continue;
-                    band.push_back(
-                        {frame_.positions_rel[pixel], glm::vec3(rule_.get_to_light(pixel)), std::uint32_t(pixel)});
-                }
-    }
-
-    const Frame& frame_;
-    const FacingRule& rule_;
-};
-
-/// All rays of the picture, 16 at a time.
-class PacketTrace {
-public:
-    PacketTrace(RTCScene scene, std::span<const Receiver> receivers, bool directional, double reach,
-                std::vector<std::uint8_t>& visible)
-        : scene_(scene),
-          receivers_(receivers),
-          directional_(directional),
-          leave_(float(kLeave * reach)),
-          visible_(visible) {
-        rtcInitIntersectContext(&context_);
-        context_.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
-    }
-
-    void run(ThreadPool& threads) {
-        const std::size_t packets = (receivers_.size() + kPacket - 1) / kPacket;
-        threads.parallel_for(packets, kPacketsPerBlock, [&](std::size_t begin, std::size_t end) {
-            for (std::size_t packet = begin; packet < end; ++packet) trace(packet * kPacket);
-        });
-    }
-
-private:
-    void trace(std::size_t first) {
-        alignas(64) RTCRay16 rays;
-        alignas(64) int valid[kPacket];
-        const auto count = unsigned(std::min<std::size_t>(kPacket, receivers_.size() - first));
-        for (unsigned lane = 0; lane < kPacket; ++lane) {
-            const Receiver& receiver = receivers_[first + std::min(lane, count - 1)];
-            valid[lane] = lane < count ? -1 : 0;
-            rays.org_x[lane] = receiver.origin.x, rays.dir_x[lane] = receiver.to_light.x;
-            rays.org_y[lane] = receiver.origin.y, rays.dir_y[lane] = receiver.to_light.y;
-            rays.org_z[lane] = receiver.origin.z, rays.dir_z[lane] = receiver.to_light.z;
-            rays.tnear[lane] = directional_ ? leave_ : leave_ / glm::length(receiver.to_light);
-            rays.tfar[lane] = directional_ ? std::numeric_limits<float>::infinity() : 1.0f;
-            rays.time[lane] = 0;
-            rays.mask[lane] = ~0u;
-        }
-        RTCIntersectContext context = context_;
-        rtcOccluded16(valid, scene_, &context, &rays);
-        for (unsigned lane = 0; lane < count; ++lane) visible_[receivers_[first + lane].pixel] = rays.tfar[lane] >= 0;
-    }
-
-    RTCScene scene_;
-    std::span<const Receiver> receivers_;
-    bool directional_;
-    float leave_;
-    std::vector<std::uint8_t>& visible_;
-    RTCIntersectContext context_;
-};
 
 /// Adds the wall time of its life, and the processor time of all threads meanwhile.
 class Stopwatch {
@@ -162,10 +62,24 @@ private:
     std::clock_t processor_start_ = std::clock();
 };
 
-std::vector<std::uint32_t> list_lights(const RenderRequest& request) {
-    std::vector<std::uint32_t> lights;
-    for (const LayerJob& job : request.jobs)
-        if (std::find(lights.begin(), lights.end(), job.light) == lights.end()) lights.push_back(job.light);
+/// A light as the jobs sample it.
+struct SampledLight {
+    std::uint32_t light;
+    int samples;
+    LightPattern pattern;
+    bool operator==(const SampledLight&) const = default;
+};
+
+std::vector<SampledLight> list_lights(const RenderRequest& request) {
+    std::vector<SampledLight> lights;
+    for (const LayerJob& job : request.jobs) {
+        const TechniqueDescriptor& technique = find_technique_descriptor(job.technique);
+        const TechniqueNeeds needs = technique.needs(resolve_parameters(technique, job.parameters));
+        // Of one sample all patterns have the light's centre.
+        const SampledLight light{job.light, needs.light_samples,
+                                 needs.light_samples > 1 ? needs.light_pattern : LightPattern::Spiral};
+        if (std::find(lights.begin(), lights.end(), light) == lights.end()) lights.push_back(light);
+    }
     return lights;
 }
 
@@ -194,14 +108,13 @@ ShadowRayTimes ShadowRays::measure(const RenderRequest& request, const FrameResu
     ShadowRayTimes times;
     std::unique_ptr<EmbreeScene> embree;
     std::uint64_t built_for = 0;
-    for (const std::uint32_t index : list_lights(request)) {
-        const Light& light = request.scene->lights[index];
-        const LightSample position = sample_light_shape(light, 1).front();
-        const FacingRule rule(frame, light, position);
-        std::vector<Receiver> receivers;
+    for (const SampledLight& sampled : list_lights(request)) {
+        const Light& light = request.scene->lights[sampled.light];
+        const auto samples = sample_light_shape(light, sampled.samples, sampled.pattern);
+        std::optional<RayList> rays;
         {
             const Stopwatch watch(times.list_ms, times.processor_ms);
-            receivers = ReceiverList(frame, rule).make(impl_->pool);
+            rays.emplace(frame, light, samples, reach, impl_->pool);
         }
         if (!embree || built_for != light.blocker_set) {
             embree = std::make_unique<EmbreeScene>(
@@ -211,13 +124,20 @@ ShadowRayTimes ShadowRays::measure(const RenderRequest& request, const FrameResu
             const Stopwatch watch(times.build_ms, times.processor_ms);
             embree->build();
         }
-        std::vector<std::uint8_t>& visible = times.visible.emplace_back(frame.pixel_count());
-        for (std::size_t pixel = 0; pixel < visible.size(); ++pixel)
-            visible[pixel] = get_unoccluded_visibility(rule.classify(pixel)) > 0;
-        PacketTrace trace(embree->get(), receivers, position.directional, reach, visible);
-        times.receivers += receivers.size();
-        const Stopwatch watch(times.trace_ms, times.processor_ms);
-        trace.run(impl_->pool);
+        times.receivers += rays->receiver_count();
+        auto& lit = times.lit.emplace_back(frame.pixel_count());
+        std::vector<std::uint16_t> streamed(frame.pixel_count());
+        {
+            const Stopwatch watch(times.packets_ms, times.processor_ms);
+            times.rays += rays->trace_packets(embree->get(), impl_->pool, lit);
+        }
+        double other_ms = 0;
+        {
+            const Stopwatch watch(times.stream_ms, other_ms);
+            rays->trace_stream(embree->get(), impl_->pool, streamed);
+        }
+        for (std::size_t pixel = 0; pixel < lit.size(); ++pixel)
+            times.disagreements += std::size_t(std::abs(int(lit[pixel]) - int(streamed[pixel])));
     }
     return times;
 }

@@ -11,7 +11,6 @@
 
 #include "frame/frame.h"
 #include "truth/ray_oracle.h"
-#include "truth/ray_triangle.h"
 
 namespace shadow_layers::truth {
 

@@ -19,6 +19,7 @@ protected:
             compare_with_rays(runner_, std::move(view), light, "exact", parameters({{"map_size", map_size}}));
         EXPECT_GE(found.lit, least);
         EXPECT_GE(found.shadowed, least);
+        EXPECT_LE(std::size_t(found.ties), 1 + found.truth.size() / 20000);
         return found.different;
     }
     TechniqueRunner runner_;

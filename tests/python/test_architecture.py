@@ -157,6 +157,14 @@ def test_native_rooms_include_only_what_is_below_them(root):
     assert wrong == []
 
 
+def test_the_truth_shares_nothing_with_what_it_judges(root):
+    """Facing, casting and occlusion are restated in native/truth/; common are plain data and the light's samples."""
+    judged = re.compile(r"(visibility|stages|techniques|engine)/|lights/(facing|receiver_scan|view_casters|map_fit)")
+    files = [path for path in native_files(root) if room_of(root, path) == "truth"]
+    assert files
+    assert [f"{p.name}: {name}" for p in files for name in includes(p) if judged.match(name)] == []
+
+
 LIBRARIES = {
     r"OpenImageIO/|tiny_gltf|tiny_obj_loader|zip\.h|nlohmann/": {"io", "cli"},
     r"CLI/": {"cli"},

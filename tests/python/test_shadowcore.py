@@ -322,6 +322,62 @@ def test_bench_measures_antialiased_layers_against_the_pixels_squares(run, snaps
     assert f"border {many['own']['border_mean_absolute']:.5f}" in done.stdout
 
 
+@pytest.fixture(scope="module")
+def bulb_snapshot(make_snapshot, snapshot_module):
+    """The box over the ground, under a bulb."""
+    place = small_scene.looking_down(8.0)
+    place[0][3], place[2][3] = 0.3, 0.2
+    bulb = snapshot_module.LightData(name="Bulb", kind="POINT", world_from_light=place, radius=0.5)
+    return make_snapshot(name="bulb.npz", lights=[bulb], jobs=[])
+
+
+def test_bench_counts_the_wrong_bits_of_soft_layers(run, bulb_snapshot, tmp_path):
+    """Rays to the very samples: an exact layer of few samples is right, one of coarse maps is not."""
+    soft = {"technique": "multi", "settings": {"positions": 9, "technique": "exact"}}
+    coarse = {"technique": "multi", "settings": {"positions": 9, "technique": "sm", "map_size": 16}}
+    done = run(
+        *("bench", bulb_snapshot, "--rows", write_rows(tmp_path, [soft, coarse, {"technique": "sm"}]), "--bits"),
+        *("--repeat", 1, "--resolution", "160x120", "--samples", 1, "--json", "bench.json"),
+    )
+    assert done.returncode == 0, done.stderr
+    records = json.loads((tmp_path / "bench.json").read_text(encoding="utf-8"))["records"]
+    right, wrong, hard = (record["bits"] for record in records)
+    assert hard is None and records[0]["errors"] is None
+    assert right["light_samples"] == 9 and right["bits"] == 9 * 160 * 120
+    assert right["wrong_bits"] == right["wrong_pixels"] == 0
+    assert right["penumbra_pixels"] > 500 and right["ties"] < 20
+    assert wrong["wrong_bits"] >= wrong["wrong_pixels"] > 100
+    assert f"0 wrong bits of {right['bits']}" in done.stdout
+
+
+def test_bench_tells_the_standard_error_of_a_soft_truth(run, bulb_snapshot, tmp_path):
+    rows = [{"technique": "multi", "settings": {"positions": n, "technique": "exact"}} for n in (4, 64)]
+    done = run(
+        *("bench", bulb_snapshot, "--rows", write_rows(tmp_path, rows), "--errors", "--repeat", 1),
+        *("--resolution", "80x60", "--samples", 1, "--json", "bench.json"),
+    )
+    assert done.returncode == 0, done.stderr
+    few, many = (r["errors"] for r in json.loads((tmp_path / "bench.json").read_text(encoding="utf-8"))["records"])
+    assert few["truth"] == many["truth"] == "soft"
+    assert 0 < many["truth_standard_error"] == few["truth_standard_error"] < 0.01
+    assert many["own"]["border_mean_absolute"] < 0.015 < few["own"]["border_mean_absolute"]
+
+
+def test_bench_times_rays_to_all_samples_of_a_light(run, bulb_snapshot, tmp_path):
+    rows = [{"technique": "sm"}, {"technique": "multi", "settings": {"positions": 16}}]
+    done = run(
+        *("bench", bulb_snapshot, "--rows", write_rows(tmp_path, rows), "--rays", "--repeat", 2),
+        *("--resolution", "64x48", "--json", "bench.json"),
+    )
+    assert done.returncode == 0, done.stderr
+    rays = json.loads((tmp_path / "bench.json").read_text(encoding="utf-8"))["rays"]
+    assert len(rays) == 4
+    for way in rays:
+        assert way["receivers"] == 64 * 48 and way["rays"] == 16 * 64 * 48
+        assert way["trace_ms"]["count"] == 2 and way["build_ms"]["median"] > 0
+        assert 0 < way["trace_ms"]["median"] <= min(way["packets_ms"]["max"], way["stream_ms"]["max"])
+
+
 def test_bench_measures_rows_and_their_errors(run, snapshot, tmp_path):
     """Coarser maps are further from the rays; a filter is nearer to its own truth than to the hard mask."""
     rows = [

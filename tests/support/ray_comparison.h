@@ -19,7 +19,8 @@ inline constexpr LightKind kAllLightKinds[] = {LightKind::Sun, LightKind::Spot, 
 struct RayComparison {
     TechniqueRun run;
     std::vector<float> truth;
-    int different = 0;
+    int different = 0;          ///< but for ties
+    int ties = 0;               ///< pixels that rounding may decide either way
     int lit = 0, shadowed = 0;  ///< by the rays, of the pixels that the casters decide
 };
 
@@ -42,10 +43,13 @@ inline RayComparison compare_with_rays(TechniqueRunner& runner, SceneView view, 
     const Frame& frame = *result.run.frame;
     const LightSample& position = result.run.positions.at(0);
     const truth::RayOracle oracle(view.scene);
-    result.truth = oracle.compute_visibility(frame, light, position, &runner.engine().threads());
+    const auto truth = oracle.compute_visibility_ranges(frame, light, position, &runner.engine().threads());
     const FacingRule facing(frame, light, position);
-    for (std::size_t pixel = 0; pixel < result.truth.size(); ++pixel) {
-        result.different += result.run.visibility()[pixel] != result.truth[pixel];
+    for (std::size_t pixel = 0; pixel < truth.size(); ++pixel) {
+        result.truth.push_back(truth[pixel].decided);
+        const float value = result.run.visibility()[pixel];
+        result.different += value != truth[pixel].least && value != truth[pixel].most;
+        result.ties += truth[pixel].least != truth[pixel].most;
         if (facing.classify(pixel) == Facing::Lit) ++(result.truth[pixel] > 0.5f ? result.lit : result.shadowed);
     }
     return result;
@@ -62,15 +66,19 @@ inline RayComparison compare_with_eye_rays(TechniqueRunner& runner, SceneView vi
     const Frame& frame = *result.run.frame;
     const truth::RayOracle oracle(view.scene);
     const Frame seen = oracle.make_frame(view.camera, view.width, view.height, &runner.engine().threads());
-    result.truth = oracle.compute_visibility(seen, light, result.run.positions.at(0), &runner.engine().threads());
+    const auto truth =
+        oracle.compute_visibility_ranges(seen, light, result.run.positions.at(0), &runner.engine().threads());
     const FacingRule facing(seen, light, result.run.positions[0]);
     const double pixel_size = (view.camera.window.right - view.camera.window.left) / view.width;
-    for (std::size_t pixel = 0; pixel < result.truth.size(); ++pixel) {
+    for (std::size_t pixel = 0; pixel < truth.size(); ++pixel) {
+        result.truth.push_back(truth[pixel].decided);
         if (!frame.coverage[pixel] || !seen.coverage[pixel] || facing.classify(pixel) != Facing::Lit) continue;
         const glm::vec3& place = seen.positions_rel[pixel];
         const float gap = std::abs(glm::dot(frame.positions_rel[pixel] - place, seen.normals[pixel]));
         if (double(gap) > 0.05 * pixel_size * double(glm::length(place))) continue;
-        result.different += result.run.visibility()[pixel] != result.truth[pixel];
+        const float value = result.run.visibility()[pixel];
+        result.different += value != truth[pixel].least && value != truth[pixel].most;
+        result.ties += truth[pixel].least != truth[pixel].most;
         ++(result.truth[pixel] > 0.5f ? result.lit : result.shadowed);
     }
     return result;

@@ -7,6 +7,7 @@
 
 #include <numeric>
 
+#include "lights/facing.h"
 #include "lights/light_shape.h"
 #include "support/half_plane_scene.h"
 #include "support/soup_scene.h"

@@ -9,7 +9,7 @@
 
 #include "lights/light_shape.h"
 #include "scene/bounds.h"
-#include "support/technique_scenes.h"
+#include "support/soup_scene.h"
 
 namespace shadow_layers::testing {
 namespace {
@@ -52,6 +52,63 @@ TEST(RayOracle, FirstHitsAreThoseOfAPlainLoop) {
         }
     }
     EXPECT_GT(hits, 300);
+}
+
+/// Is the receiver shadowed? By a loop over all triangles in long double; nothing where it can't be told to 1e-9.
+std::optional<bool> find_shadow(const RayOracle& oracle, const Scene& scene, const truth::Receiver& receiver,
+                                const Light& light, const LightSample& sample) {
+    const glm::dvec3 start = receiver.place_ws - oracle.get_origin();
+    const glm::dvec3 way = sample.directional ? sample.to_light_ws : sample.position_ws - receiver.place_ws;
+    bool blocked = false, unsure = false;
+    for (std::uint32_t k = 0; k < scene.instances.size(); ++k) {
+        if (!(scene.instances[k].flags & kInstanceShadow)) continue;
+        if (!(light.blocker_set >> scene.instances[k].blocker_group & 1u)) continue;
+        for (std::uint32_t t = 0; t < scene.meshes[scene.instances[k].mesh]->triangles.size(); ++t) {
+            if (k == receiver.ids.instance && t == receiver.ids.triangle) continue;
+            const auto corners = oracle.get_corners({k, t});
+            // Corners moved outwards and inwards of the triangle's middle: where both agree, there is no doubt.
+            const glm::dvec3 middle = (corners[0] + corners[1] + corners[2]) / 3.0;
+            bool wide = false, narrow = false;
+            for (const double size : {1 + 1e-9, 1 - 1e-9}) {
+                auto moved = corners;
+                for (glm::dvec3& corner : moved) corner = middle + size * (corner - middle);
+                const long double at = solve(start, way, moved);
+                const bool meets = at > 1e-9L && (sample.directional || at < 1 - 1e-9L);
+                (size > 1 ? wide : narrow) = meets;
+                unsure = unsure || (at > -1e-9L && at <= 1e-9L && at != -1);
+            }
+            blocked = blocked || narrow;
+            unsure = unsure || wide != narrow;
+        }
+    }
+    return blocked ? std::optional(true) : unsure ? std::nullopt : std::optional(false);
+}
+
+TEST(RayOracle, SightsAreThoseOfAPlainLoop) {
+    std::size_t blocked = 0, open = 0, unsure = 0;
+    for (const LightKind kind : {LightKind::Sun, LightKind::Point})
+        for (unsigned seed = 1; seed <= 3; ++seed) {
+            SceneView view = seed == 3 ? random_scene(3, 40, 24) : make_soup_scene(seed, 80, 45);
+            view.scene->instances[1].blocker_group = 2;
+            Light light = make_light(kind, {0.5, 0.8, 2.8}, {0, 0, 0.5});
+            light.radius = 0.5, light.sun_angle = 0.5;
+            if (seed == 3) light.blocker_set = ~std::uint64_t{4};
+            const RayOracle oracle(view.scene);
+            const Frame frame = oracle.make_frame(view.camera, view.width, view.height);
+            for (const LightSample& sample : sample_light_shape(light, 3, LightPattern::Spiral))
+                for (std::size_t pixel = 0; pixel < frame.pixel_count(); ++pixel) {
+                    const auto receiver = oracle.find_receiver(frame, pixel);
+                    if (!receiver) continue;
+                    const truth::Sight sight = oracle.look(*receiver, light, sample);
+                    const auto expected = find_shadow(oracle, *view.scene, *receiver, light, sample);
+                    unsure += !expected || !sight.certain;
+                    if (!expected || !sight.certain) continue;
+                    ++(sight.blocked ? blocked : open);
+                    EXPECT_EQ(sight.blocked, *expected) << "seed " << seed << ", pixel " << pixel;
+                }
+        }
+    EXPECT_GT(std::min(blocked, open), 10000u);
+    EXPECT_LT(unsure, (blocked + open) / 10000);
 }
 
 TEST(RayOracle, BoxShadowInClosedForm) {

@@ -46,8 +46,8 @@ TEST(ShadowRays, AreTheShadowsOfTheScene) {
     truth::ShadowRays rays(2);
     for (const truth::ShadowRayMode& mode : truth::get_shadow_ray_modes()) {
         const truth::ShadowRayTimes times = rays.measure(request, to_result(frame), mode);
-        ASSERT_EQ(times.visible.size(), 2u) << "each light once";
-        std::size_t lit = 0;
+        ASSERT_EQ(times.lit.size(), 2u) << "each light once";
+        std::size_t facing = 0;
         for (std::size_t k = 0; k < 2; ++k) {
             const Light& light = view.scene->lights[k];
             const LightSample position = sample_light_shape(light, 1).front();
@@ -55,16 +55,20 @@ TEST(ShadowRays, AreTheShadowsOfTheScene) {
             const FacingRule rule(frame, light, position);
             std::size_t different = 0, shadowed = 0;
             for (std::size_t pixel = 0; pixel < truth.size(); ++pixel) {
-                different += (truth[pixel] > 0.5f) != (times.visible[k][pixel] != 0);
                 shadowed += truth[pixel] < 0.5f;
-                lit += rule.classify(pixel) == Facing::Lit;
+                if (rule.classify(pixel) != Facing::Lit) continue;
+                ++facing;
+                different += (truth[pixel] > 0.5f) != (times.lit[k][pixel] != 0);
             }
             EXPECT_LE(different, truth.size() / 500) << mode.name;
             EXPECT_GT(shadowed, truth.size() / 50) << mode.name;
         }
-        EXPECT_EQ(times.receivers, lit) << mode.name;
+        EXPECT_EQ(times.receivers, facing) << mode.name;
+        EXPECT_EQ(times.rays, facing) << mode.name;
+        EXPECT_LE(times.disagreements, facing / 1000) << mode.name;
         EXPECT_GT(times.build_ms, 0);
-        EXPECT_GT(times.trace_ms, 0);
+        EXPECT_GT(times.packets_ms, 0);
+        EXPECT_GT(times.stream_ms, 0);
     }
 }
 
@@ -82,7 +86,7 @@ TEST(ShadowRays, WithoutMeshesThereIsNothingToShade) {
     for (const truth::ShadowRayMode& mode : truth::get_shadow_ray_modes()) {
         const truth::ShadowRayTimes times = rays.measure(request, to_result(frame), mode);
         EXPECT_EQ(times.receivers, 0u);
-        EXPECT_EQ(times.visible.at(0), (std::vector<std::uint8_t>{1, 1}));
+        EXPECT_EQ(times.lit.at(0), (std::vector<std::uint16_t>{0, 0}));
     }
 }
 
@@ -96,11 +100,47 @@ TEST(ShadowRays, WithoutCastersAllIsLit) {
     const Frame frame = RayOracle(view.scene).make_frame(view.camera, view.width, view.height);
     truth::ShadowRays rays(1);
     for (const truth::ShadowRayMode& mode : truth::get_shadow_ray_modes()) {
-        const auto visible = rays.measure(request, to_result(frame), mode).visible.at(0);
+        const auto lit = rays.measure(request, to_result(frame), mode).lit.at(0);
         const FacingRule rule(frame, view.scene->lights[0], sample_light_shape(view.scene->lights[0], 1).front());
-        for (std::size_t pixel = 0; pixel < visible.size(); ++pixel)
-            EXPECT_EQ(visible[pixel] != 0, rule.classify(pixel) != Facing::TurnedAway);
+        for (std::size_t pixel = 0; pixel < lit.size(); ++pixel)
+            EXPECT_EQ(lit[pixel] != 0, rule.classify(pixel) == Facing::Lit);
     }
+}
+
+// As many rays as the jobs' techniques take samples, to the same places.
+TEST(ShadowRays, GoToTheSamplesOfTheLight) {
+    SceneView view = random_scene(5, 96, 54);
+    view.scene->lights = {make_light(LightKind::Area, {2, 1.5, 4}, {0, 0, 0})};
+    view.scene->lights[0].area_size = {2, 1};
+    const RayOracle oracle(view.scene);
+    const Frame frame = oracle.make_frame(view.camera, view.width, view.height);
+    ParameterValues sixteen;
+    sixteen.set("positions", std::int64_t{16});
+    RenderRequest request;
+    request.scene = view.scene;
+    request.jobs = {{0, "multi", sixteen}, {0, "multi", sixteen}};
+    truth::ShadowRays rays(2);
+    const auto times = rays.measure(request, to_result(frame), truth::get_shadow_ray_modes()[0]);
+    ASSERT_EQ(times.lit.size(), 1u) << "jobs with the same samples are one";
+    const Light& light = view.scene->lights[0];
+    std::vector<int> expected(frame.pixel_count());
+    std::size_t facing = 0, different = 0, penumbra = 0;
+    for (const LightSample& sample : sample_light_shape(light, 16, LightPattern::Spiral)) {
+        const auto truth = oracle.compute_visibility(frame, light, sample);
+        const FacingRule rule(frame, light, sample);
+        for (std::size_t pixel = 0; pixel < truth.size(); ++pixel) {
+            if (rule.classify(pixel) != Facing::Lit) continue;
+            ++facing;
+            expected[pixel] += truth[pixel] > 0.5f;
+        }
+    }
+    for (std::size_t pixel = 0; pixel < expected.size(); ++pixel) {
+        different += std::size_t(std::abs(expected[pixel] - int(times.lit[0][pixel])));
+        penumbra += expected[pixel] > 0 && expected[pixel] < 16;
+    }
+    EXPECT_EQ(times.rays, facing);
+    EXPECT_LE(different, facing / 500);
+    EXPECT_GT(penumbra, 100u);
 }
 
 }  // namespace
