@@ -137,20 +137,27 @@ class CyclesTruth:
     def render_soft_light(self, name: str, sample_count: int) -> SampledTruth:
         """The shadow of that light object in its real size. `sample_count` per pixel is rounded up to a multiple of
         SEEDS. Raises TruthError."""
-        light_object = find_light_object(name)
-        cycles = self._scene.cycles
         pairs, times_ms = [], {"shadows_on": 0.0, "shadows_off": 0.0}
+        samples = -(-sample_count // SEEDS)
+        with SceneGuard() as guard:
+            for _ in self._change_seeds(guard, SEEDS):
+                *pair, times = self.render_soft_pair(name, samples)
+                pairs.append(pair)
+                times_ms = {stage: times_ms[stage] + times[stage] for stage in times_ms}
+        return compute_soft_truth(np.array(pairs), samples * SEEDS, times_ms)
+
+    def render_soft_pair(
+        self, name: str, sample_count: int
+    ) -> tuple[NDArray[np.float32], NDArray[np.float32], dict[str, float]]:
+        """That light object in its real size, with and without shadows, (h, w) each, and the times: one render each, by
+        the scene's seed. Raises TruthError."""
+        light_object = find_light_object(name)
         with SceneGuard() as guard:
             light = make_soft_light(guard, light_object)
             guard.set(light_object, "visible_camera", False)
-            guard.set(cycles, "samples", -(-sample_count // SEEDS))
-            for _ in self._change_seeds(guard, SEEDS):
-                with SceneGuard() as inner:
-                    *pair, times = self._render_pair(inner, light_object, light)
-                pairs.append([picture[..., 0] for picture in pair])
-                times_ms = {stage: times_ms[stage] + times[stage] for stage in times_ms}
-            samples = cycles.samples * SEEDS
-        return compute_soft_truth(np.array(pairs), samples, times_ms)
+            guard.set(self._scene.cycles, "samples", sample_count)
+            shadowed, open_sky, times = self._render_pair(guard, light_object, light)
+        return shadowed[..., 0], open_sky[..., 0], times
 
     def render_pixel_light(self, name: str, sample_count: int) -> SampledTruth:
         """The hard shadow of that light object, averaged over each pixel's square: at one place at random in each cell

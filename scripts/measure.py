@@ -3,8 +3,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Measures what the product claims, prints tables and keeps the numbers in out/measure/.
 
-    scripts/measure.py [NAME ...]   accuracy exact edsm_causes orderings borders speed hard_speed cycles export memory
-                                    cancel   (nothing: all)
+    scripts/measure.py [NAME ...]   accuracy exact edsm_causes orderings borders speed hard_speed soft soft_speed
+                                    soft_cycles cycles export memory cancel   (nothing: all)
 
 Runs with the bpy 4.5 module. A figure over its bound is marked and makes the exit code 1. Times are ratios of medians
 within one process wherever the bound is a ratio; run it on a machine that does nothing else.
@@ -25,6 +25,7 @@ import measure_exactness as exactness
 import measure_hard_speed as hard_speed
 import measure_orderings as orderings
 from measure_kit import Table, build_folder, in_blender, make_model, make_scene, make_snapshot, out, root, run
+from measure_soft import measure_soft, measure_soft_cycles, measure_soft_speed
 
 kWrongBounds = {"box": 0.05, "jenga": 0.15, "scorpion": 0.5}
 kPlaneBound = 0.2
@@ -228,6 +229,9 @@ kMeasures = {
     "borders": measure_borders,
     "speed": measure_speed,
     "hard_speed": measure_hard_speed,
+    "soft": measure_soft,
+    "soft_speed": measure_soft_speed,
+    "soft_cycles": measure_soft_cycles,
     "cycles": measure_cycles,
     "export": measure_export,
     "memory": measure_memory,

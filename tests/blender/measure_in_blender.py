@@ -222,12 +222,21 @@ def time_render(bridge, snapshot) -> float:
     return time.perf_counter() - started
 
 
+def measure_soft_cycles(paths: list[Path]) -> dict:
+    """F12 with `soft`, and Cycles with ever more samples (soft_renders.py); the second path names the light."""
+    wanted = json.loads(paths[1].read_text(encoding="utf-8"))
+    return importlib.import_module("soft_renders").measure(
+        open_scene, render, paths[0], wanted["light"], wanted["size"]
+    )
+
+
 kMeasures = {
     "speed": measure_speed,
     "cycles": measure_cycles,
     "export": measure_export,
     "memory": measure_memory,
     "cancel": measure_cancel,
+    "soft_cycles": measure_soft_cycles,
 }
 
 
