@@ -8,12 +8,11 @@ double to the same samples of the light, `--rays` times Embree on as many rays i
 Blender (tests/blender/soft_renders.py).
 """
 
-import importlib
 import json
 import math
 import statistics
 import subprocess
-import sys
+import zipfile
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
@@ -21,7 +20,6 @@ from typing import Any
 
 from measure_kit import Table, build_folder, in_blender, make_model, make_scene, make_snapshot, out
 
-root = Path(__file__).resolve().parent.parent
 kTechnique, kHard = "soft", "exact"
 kSizes = ("small", "medium", "large")
 kBitSamples = (16, 64, 256)
@@ -67,27 +65,31 @@ kScenes = (
 kCyclesScenes = ("jenga", "studio", "hall")
 
 
-def resize_light(snapshot: Path, name: str, size: float, out: Path) -> Path:
-    """Writes the snapshot with one light of that size, as SoftScene has it, and without the others."""
-    sys.path.insert(0, str(root / "addon"))
-    try:
-        module = importlib.import_module("snapshot")
-    finally:
-        sys.path.remove(str(root / "addon"))
-    scene = module.SceneSnapshot.load(snapshot)
-    scene.lights = [light for light in scene.lights if light.name == name]
-    if not scene.lights:
-        raise ValueError(f"{snapshot} has no light '{name}'")
-    (light,) = scene.lights
-    if light.kind == "SUN":
-        light.sun_angle = math.radians(size)
-    elif light.kind == "AREA":
-        width, height = light.area_size
-        light.area_size = (size, size * height / width)
+def set_light_size(light: dict[str, Any], size: float) -> None:
+    """Of a light as docs/snapshot.md has it; `size` as in SoftScene."""
+    if light["kind"] == "SUN":
+        light["sun_angle"] = math.radians(size)
+    elif light["kind"] == "AREA":
+        width, height = light["area_size"]
+        light["area_size"] = [size, size * height / width]
     else:
-        light.radius = size
-    scene.jobs = []
-    scene.save(out)
+        light["radius"] = size
+
+
+def resize_light(snapshot: Path, name: str, size: float, out: Path) -> Path:
+    """Writes the snapshot with one light of that size, and without the others and the jobs."""
+    with zipfile.ZipFile(snapshot) as source, zipfile.ZipFile(out, "w") as copy:
+        for member in source.infolist():
+            content = source.read(member)
+            if member.filename == "snapshot.json":
+                scene = json.loads(content)
+                scene["lights"] = [light for light in scene["lights"] if light["name"] == name]
+                if not scene["lights"]:
+                    raise ValueError(f"{snapshot} has no light '{name}'")
+                set_light_size(scene["lights"][0], size)
+                scene["jobs"] = []
+                content = json.dumps(scene).encode()
+            copy.writestr(member, content)
     return out
 
 

@@ -76,9 +76,9 @@ Visibility RayOracle::find_visibility(const Receiver& receiver, const LightRule&
         if (!sight.blocked || !sight.certain) found.most = 1;
     }
     if (!receiver.certain) found.least = 0, found.most = 1;
-    found.decided = standings.decided == Standing::Apart                          ? 1
+    found.decided = standings.decided == Standing::Apart                   ? 1
                     : standings.decided == Standing::TurnedAway || blocked ? 0
-                                                                                  : 1;
+                                                                           : 1;
     return found;
 }
 

@@ -35,8 +35,8 @@ RayList::RayList(const Frame& frame, const Light& light, std::span<const LightSa
       cone_cos_(find_cone_cos(light)),
       leave_(float(kLeave * reach)) {
     for (const LightSample& sample : samples)
-        targets_.push_back({sample.directional, glm::vec3(sample.directional ? sample.to_light_ws
-                                                                             : sample.position_ws - frame.origin_ws)});
+        targets_.push_back({sample.directional,
+                            glm::vec3(sample.directional ? sample.to_light_ws : sample.position_ws - frame.origin_ws)});
     const std::size_t count = std::size_t((frame.height + kPixelBlock - 1) / kPixelBlock);
     std::vector<std::vector<Receiver>> bands(count);
     threads.parallel_for(count, kBandsPerBlock, [&](std::size_t begin, std::size_t end) {
@@ -100,8 +100,7 @@ std::size_t RayList::trace_batches(ThreadPool& threads, const Trace& trace) cons
     threads.parallel_for(batches, kBatchesPerBlock, [&](std::size_t begin, std::size_t end) {
         std::size_t count = 0;
         for (std::size_t batch = begin; batch < end; ++batch)
-            count += trace(batch * receivers * samples,
-                           std::min((batch + 1) * receivers, receivers_.size()) * samples);
+            count += trace(batch * receivers * samples, std::min((batch + 1) * receivers, receivers_.size()) * samples);
         rays += count;
     });
     return rays;

@@ -78,7 +78,8 @@ Crossing cross_triangle(const SightLine& line, const Corners& corners) {
     const glm::dvec3 e = b - a, f = c - a;
     const double moved = 2 * line.slack;
     const Bounded rise = find_height(line.way, line.endless ? 0 : moved, e, f, line.slack);
-    const Bounded start = find_height(a, moved, e, f, line.slack), end = find_height(a - line.way, moved, e, f, line.slack);
+    const Bounded start = find_height(a, moved, e, f, line.slack),
+                  end = find_height(a - line.way, moved, e, f, line.slack);
     // In the direction of the way: the plane's distance and the rest of the way, both times the same positive number.
     const double sign = rise.value > 0 ? 1 : -1;
     const Bounded before{sign * start.value, start.error}, after{-sign * end.value, end.error};

@@ -124,7 +124,8 @@ LightSample ShapeShadows::make_sample(const glm::dvec2& square, const glm::dvec3
     } else if (light_.kind == LightKind::Sun) {
         // Even in solid angle: the versine of the angle to the axis is.
         const double angle = 0.5 * std::min(light_.sun_angle, std::numbers::pi);
-        const double versine = square.x * 2 * std::pow(std::sin(0.5 * angle), 2), turn = 2 * std::numbers::pi * square.y;
+        const double versine = square.x * 2 * std::pow(std::sin(0.5 * angle), 2),
+                     turn = 2 * std::numbers::pi * square.y;
         const auto [right, up] = find_across(z);
         sample.to_light_ws = glm::normalize((1 - versine) * z + std::sqrt(versine * (2 - versine)) *
                                                                     (std::cos(turn) * right + std::sin(turn) * up));

@@ -101,8 +101,8 @@ TEST(SightLine, EndsAndEdgeOnTrianglesAreTies) {
     for (const Crossing& tie : {cross({0, 0, 0}, {0, 0, 1}), cross({0, 0, 1}, {0, 0, 0}), cross({-3, 0, 0}, {3, 0, 0}),
                                 cross({0, 1, 1}, {0, 1, -1})})
         EXPECT_FALSE(tie.certain);
-    for (const Crossing& miss : {cross({0, 0, 1e-6}, {0, 0, 1}), cross({0, 0, 1}, {0, 0, 1e-6}),
-                                 cross({0, 1 + 1e-9, 1}, {0, 1 + 1e-9, -1})}) {
+    for (const Crossing& miss :
+         {cross({0, 0, 1e-6}, {0, 0, 1}), cross({0, 0, 1}, {0, 0, 1e-6}), cross({0, 1 + 1e-9, 1}, {0, 1 + 1e-9, -1})}) {
         EXPECT_FALSE(miss.meets);
         EXPECT_TRUE(miss.certain);
     }
