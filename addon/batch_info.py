@@ -57,8 +57,8 @@ def format_info(info: dict[str, Any]) -> str:
         lines += ["", f"{technique['id']}: {technique['label']}. {technique['summary']}"]
         lines.append(f"    lights: {', '.join(technique['lights']).lower()}")
         lines.append(f"    reference: {technique['reference']}")
-        lines.append(f"    meshes: {technique['meshes']}")
         lines.append(f"    limits: {technique['limits']}")
+        lines += [f"    {restriction}" for restriction in technique["restrictions"]]
         lines += [f"    --set {technique['id']}.{format_parameter(p)}" for p in technique["parameters"]]
         lines += [f"    output {o['id']} ({o['channels']} channels): {o['help']}" for o in technique["outputs"]]
     return "\n".join(lines)

@@ -245,8 +245,9 @@ def _technique_panel(info: dict[str, Any]) -> type:
         layout.use_property_decorate = False
         _draw_parameters(layout.column(), context.scene.shadow_layers, info)
         column = layout.column(align=True)
-        for number, line in enumerate(wrapped(info["limits"], 56)):
-            column.label(text=line, icon="BLANK1" if number else "INFO")
+        for sentence in (info["limits"], *info["restrictions"]):
+            for number, line in enumerate(wrapped(sentence, 56)):
+                column.label(text=line, icon="BLANK1" if number else "INFO")
 
     body = {
         "__doc__": f"Parameters of {info['label']}",

@@ -24,7 +24,9 @@ MEASURED = """## What they cost, and how far they are from the truth
 Default parameters, {resolution}, the scene's light. Error: mean distance to the exact picture that the technique
 stands for, by rays, in percent of the pixels that the light may reach; of a hard one, its wrong pixels. Time: whole
 frame as a ratio to `sm`'s in the same run, camera and light moved; the median of the scenes (least … most). Memory:
-maps, lists and pictures held for the light beside meshes, frame and layer, the most of the scenes. Machine:
+maps, lists and pictures held for the light beside meshes, frame and layer, the most of the scenes. Meshes: the casters
+that it serves (any; any, with borders refined at `mesh edges` alone, not where surfaces cut each other; `closed` ones).
+Size: what it makes of the light's. None sees the holes that a material's alpha cuts. Machine:
 {processor}, {threads} threads, {gl_renderer}; load before: {load_before}. [benchmark.md](benchmark.md) says more on
 how this is measured.
 
@@ -82,7 +84,7 @@ def find_runs(document: dict) -> list[dict]:
 
 def make_measured_table(techniques: list[dict], document: dict) -> list[str]:
     runs, machine = find_runs(document), document["machine"]
-    columns = ["technique", "truth", *(f"error, {run['scene']}" for run in runs), "time", "memory", "meshes", "lights"]
+    columns = ["technique", "truth", *(f"error, {run['scene']}" for run in runs), "time", "memory", "meshes", "size", "lights"]
     lines = MEASURED.format(resolution=runs[0]["resolution"], **machine).splitlines()
     lines += [make_line(columns), make_line(["---"] * len(columns))]
     for info in techniques:
@@ -92,7 +94,8 @@ def make_measured_table(techniques: list[dict], document: dict) -> list[str]:
         memory = f"{max(count_bytes(record) for record in records) / 1e6:.1f} MB"
         cells = [f"[`{info['id']}`](techniques/{info['id']}.md)", describe_truth(records[0]["errors"])]
         cells += [f"{100 * record['errors']['own']['mean_absolute']:.3f}" for record in records]
-        lines.append(make_line([*cells, describe_time(records), memory, info["meshes"], list_lights(info)]))
+        cells += [describe_time(records), memory, info["meshes"].replace("_", " "), info["light_size"]]
+        lines.append(make_line([*cells, list_lights(info)]))
     return lines
 
 

@@ -43,8 +43,11 @@ class TechniqueInfo(TypedDict):
     label: str
     summary: str
     reference: str
-    meshes: str  # what casters must be like: "any", ...
-    limits: str
+    meshes: str  # "any" | "mesh_edges": refined at meshes' edges, not where surfaces cut each other | "closed"
+    light_size: str  # "ignored" | "followed", with all parameters at their defaults
+    alpha_cutouts: bool  # False: holes that a material's alpha cuts count as opaque
+    restrictions: list[str]  # what these leave out, a sentence each
+    limits: str  # one sentence: when it fails
     lights: list[str]  # "SUN" | "SPOT" | "POINT" | "AREA"
     parameters: list[ParameterInfo]
     outputs: list[OutputInfo]

@@ -71,7 +71,8 @@ std::string describe_techniques() {
     for (const TechniqueDescriptor& descriptor : technique_descriptors()) {
         if (descriptor.test_only) continue;
         text << "\n\n  " << descriptor.id << ": " << descriptor.label << ". " << descriptor.summary
-             << "\n    meshes: " << descriptor.meshes << "\n    limits: " << descriptor.limits;
+             << "\n    limits: " << descriptor.limits;
+        for (const std::string& restriction : list_restrictions(descriptor)) text << "\n    " << restriction;
         for (const ParameterSpec& spec : descriptor.parameters) {
             text << "\n    " << descriptor.id << "." << spec.id << "=" << value_text(spec.default_value) << "  ("
                  << limits_text(spec) << ")  " << spec.help;
@@ -100,7 +101,10 @@ nlohmann::json technique_to_json(const TechniqueDescriptor& descriptor) {
             {"label", descriptor.label},
             {"summary", descriptor.summary},
             {"reference", descriptor.reference},
-            {"meshes", descriptor.meshes},
+            {"meshes", get_name(descriptor.meshes)},
+            {"light_size", get_name(descriptor.light_size)},
+            {"alpha_cutouts", descriptor.alpha_cutouts},
+            {"restrictions", list_restrictions(descriptor)},
             {"limits", descriptor.limits},
             {"lights", lights},
             {"parameters", parameters},

@@ -8,6 +8,7 @@
 #include "frame/clay.h"
 #include "frame/pixel_filter.h"
 #include "lights/facing.h"
+#include "session/caster_check.h"
 #include "session/layer_sum.h"
 #include "session/light_cache.h"
 #include "session/request_check.h"
@@ -188,7 +189,10 @@ void RenderRun::fill_layer(std::size_t job, SampleFrames& frames, LayerSum& sum,
     const bool is_last_use = sample + 1 == offsets_.size() &&
                              (job + 1 == resolved_.jobs.size() || resolved_.jobs[job + 1].light != resolved.light);
     const auto positions = lights_.get(resolved.light, resolved.needs, is_last_use);
-    if (sample == 0) views_[job] = describe_views(positions->front());
+    if (sample == 0) {
+        views_[job] = describe_views(positions->front());
+        warn_of_open_casters(engine_, *resolved.descriptor, *request_.scene, light);
+    }
     sum.begin_sample(frame);
     const auto has_views = [](const LightSample& position) { return !position.views.empty(); };
     const bool is_seen = resolved.needs.map_size == 0 || std::any_of(positions->begin(), positions->end(), has_views);

@@ -29,8 +29,8 @@ struct FilteredMapKind {
 /// The one technique behind vsm, esm, evsm and msm.
 std::unique_ptr<Technique> make_filtered_map(const FilteredMapKind& kind);
 
-/// Completes a descriptor that has what is the technique's own: the shared parameters go before its own, needs and truth
-/// follow from them.
+/// Completes a descriptor that has what is the technique's own: the shared parameters go before its own, needs and
+/// truth follow from them.
 TechniqueDescriptor describe_filtered_map(TechniqueDescriptor own);
 
 }  // namespace shadow_layers

@@ -153,7 +153,8 @@ def test_technique_panels_draw_parameters_and_limits(fresh_scene):
         drawn = draw(f"SHADOWLAYERS_PT_technique_{info['id']}")
         for parameter in own:
             assert any(text.startswith(parameter["label"]) for text in drawn)
-        assert info["limits"].split()[0] in " ".join(drawn)
+        for sentence in (info["limits"], *info["restrictions"]):
+            assert sentence in " ".join(drawn)
 
 
 @pytest.mark.parametrize("kind", ["SUN", "SPOT", "POINT", "AREA"])

@@ -222,6 +222,18 @@ TEST_P(Contract, ALightWithoutShadowsLightsWhatFacesIt) {
     expect_all(view, 1);
 }
 
+TEST_P(Contract, TheSizeOfALightIsFollowedOrIgnoredAsDeclared) {
+    const auto visibility_with_size = [&](double size) {
+        SceneView view = random_scene(3, 96, 54);
+        Light light = light_above();
+        light.radius = light.sun_angle = size, light.area_size = glm::dvec2(size);
+        view.scene->lights = {light};
+        return visibility_of(view);
+    };
+    const bool is_same = visibility_with_size(1e-6) == visibility_with_size(0.8);
+    EXPECT_EQ(is_same, technique().light_size == LightSize::Ignored);
+}
+
 TEST_P(Contract, OrderOfLightsDoesNotMatter) {
     SceneView view = random_scene(8, 80, 45);
     const std::vector<Light> lights = {light_above(), make_light(kind(), {-2, 1, 4}, {0, 0, 0}, 90),
@@ -358,7 +370,6 @@ TEST(Descriptors, AreComplete) {
         SCOPED_TRACE(technique.id);
         EXPECT_FALSE(technique.label.empty());
         EXPECT_FALSE(technique.summary.empty());
-        EXPECT_FALSE(technique.meshes.empty());
         EXPECT_FALSE(technique.limits.empty());
         EXPECT_FALSE(technique.lights.empty());
         EXPECT_TRUE(technique.needs);
@@ -374,7 +385,31 @@ TEST(Descriptors, AreComplete) {
         const ParameterValues defaults = resolve_parameters(technique, {});
         EXPECT_EQ(defaults.all().size(), technique.parameters.size());
         EXPECT_NO_THROW(read_tolerances(technique.id));
+        EXPECT_FALSE(technique.alpha_cutouts) << "scenes hold no alpha";
+        const bool is_soft = find_truth(technique, defaults).kind == TruthKind::Soft;
+        EXPECT_TRUE(!is_soft || technique.light_size == LightSize::Followed) << "compared with the light's real size";
     }
+}
+
+TEST(Descriptors, RestrictionsFollowFromTheCapabilities) {
+    TechniqueDescriptor technique;
+    technique.light_size = LightSize::Followed, technique.alpha_cutouts = true;
+    EXPECT_TRUE(list_restrictions(technique).empty());
+    const auto expect_one_with = [&](const char* word) {
+        const std::vector<std::string> restrictions = list_restrictions(technique);
+        ASSERT_EQ(restrictions.size(), 1u);
+        EXPECT_NE(restrictions[0].find(word), std::string::npos) << restrictions[0];
+    };
+    technique.meshes = CasterMeshes::Closed;
+    expect_one_with("closed");
+    technique.meshes = CasterMeshes::MeshEdges;
+    expect_one_with("cut each other");
+    technique.meshes = CasterMeshes::Any, technique.alpha_cutouts = false;
+    expect_one_with("alpha");
+    technique.alpha_cutouts = true, technique.light_size = LightSize::Ignored;
+    expect_one_with("size");
+    technique.light_size = LightSize::Followed, technique.lights = {LightKind::Sun, LightKind::Area};
+    expect_one_with("SUN, AREA");
 }
 
 TEST(Descriptors, ReferencesStandInTheBibliography) {

@@ -14,6 +14,7 @@ namespace {
 struct Behaviour {
     TechniqueNeeds needs;
     int channels = 1;  ///< of the second output, "extra"
+    CasterMeshes meshes = CasterMeshes::Any;
     std::function<void(Engine&, const LightTask&, LayerOutputs&)> render;
 };
 Behaviour behaviour;
@@ -38,6 +39,7 @@ TechniqueDescriptor describe_scripted() {
     d.label = "Scripted";
     d.outputs = {{"visibility", "", 1, ""}, {"extra", "Extra", behaviour.channels, ""}};
     d.lights = {LightKind::Point};
+    d.meshes = behaviour.meshes;
     d.needs = [](const ParameterValues&) { return behaviour.needs; };
     return d;
 }
@@ -165,6 +167,28 @@ TEST_F(SessionTechniqueTest, WrongOutputsAreNamed) {
         outputs.set("visibility", make_image(task.frame, 3, 1));
     };
     EXPECT_NE(message_of<Error>(make_request()).find("24x16"), std::string::npos);
+}
+
+TEST_F(SessionTechniqueTest, OpenCastersOfATechniqueForClosedOnesAreNamed) {
+    behaviour.render = [&](Engine&, const LightTask& task, LayerOutputs& outputs) {
+        for (const char* name : {"visibility", "extra"}) outputs.set(name, make_image(task.frame, 1, 1));
+    };
+    auto scene = std::make_shared<Scene>(*test::make_ball_scene());
+    const std::vector<glm::vec3> corners = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
+    scene->meshes[1] = test::to_mesh("tetrahedron", {corners, {{0, 2, 1}, {0, 1, 3}, {0, 3, 2}, {1, 2, 3}}});
+    RenderRequest request = make_request();
+    request.scene = scene;  // the floor is open
+    request.samples = 3;
+    EXPECT_EQ(run(request).warnings, std::vector<std::string>());
+    behaviour.meshes = CasterMeshes::Closed;
+    const std::vector<std::string> warnings = run(request).warnings;
+    ASSERT_EQ(warnings.size(), 1u);
+    for (const char* part : {"\"scripted\"", "\"floor\"", "closed"})
+        EXPECT_NE(warnings[0].find(part), std::string::npos) << warnings[0];
+    auto other = std::make_shared<Scene>(*scene);
+    other->instances[0].flags = kInstanceCamera;  // seen, but casts nothing
+    request.scene = other;
+    EXPECT_EQ(run(request).warnings, std::vector<std::string>());
 }
 
 TEST_F(SessionTechniqueTest, GLErrorsEndTheRenderAndNameTheStage) {

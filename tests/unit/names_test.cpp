@@ -28,7 +28,10 @@ TEST(Names, EveryEnumeratorHasItsOwnAndIsFoundByIt) {
         names.insert(get_name(type));
     for (const TruthKind truth : {TruthKind::Hard, TruthKind::Filtered, TruthKind::Soft, TruthKind::Pixel})
         names.insert(get_name(truth));
-    EXPECT_EQ(names.size(), 15u);
+    for (const CasterMeshes meshes : {CasterMeshes::Any, CasterMeshes::MeshEdges, CasterMeshes::Closed})
+        names.insert(get_name(meshes));
+    for (const LightSize size : {LightSize::Ignored, LightSize::Followed}) names.insert(get_name(size));
+    EXPECT_EQ(names.size(), 20u);
     EXPECT_EQ(names.count("unknown"), 0u);
 }
 

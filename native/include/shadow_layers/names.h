@@ -18,6 +18,8 @@ const char* get_name(LightKind kind);          ///< "SUN", "SPOT", "POINT", "ARE
 const char* get_name(PixelFilterKind filter);  ///< "BOX", "GAUSSIAN", "BLACKMAN_HARRIS"
 const char* get_name(ParameterType type);      ///< "bool", "int", "float", "enum"
 const char* get_name(TruthKind kind);          ///< "hard", "filtered", "soft", "pixel"
+const char* get_name(CasterMeshes meshes);     ///< "any", "mesh_edges", "closed"
+const char* get_name(LightSize size);          ///< "ignored", "followed"
 
 /// Nothing if there is none of that name.
 std::optional<LightKind> find_light_kind(std::string_view name);

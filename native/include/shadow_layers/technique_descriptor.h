@@ -56,6 +56,16 @@ struct TruthSpec {
     double footprint_world = 0;   ///< Filtered: if not 0, side of the square in scene units on the receiver's plane
 };
 
+/// Which casters a technique shows the shadows of.
+enum class CasterMeshes : std::uint8_t {
+    Any,        ///< open and closed ones, also where surfaces cut each other
+    MeshEdges,  ///< any, but borders are refined at edges of meshes alone: not where surfaces cut each other
+    Closed,     ///< those in which every edge is shared evenly; a render warns of others, whose shadows may be wrong
+};
+
+/// What a technique makes of a light's size, with its parameters at their defaults.
+enum class LightSize : std::uint8_t { Ignored, Followed };
+
 /// A technique as data: everything that the rest of the product knows of it. The defaults are what most techniques
 /// have, so that a descriptor names only what is its own.
 struct TechniqueDescriptor {
@@ -67,7 +77,9 @@ struct TechniqueDescriptor {
     std::vector<ParameterSpec> parameters{};
     std::vector<OutputSpec> outputs = {describe_visibility()};  ///< outputs[0].id == "visibility"
     std::vector<LightKind> lights = {LightKind::Sun, LightKind::Spot, LightKind::Point, LightKind::Area};  ///< served
-    std::string meshes = "any";  ///< what casters must be like, in a few words: "any", "closed", ...
+    CasterMeshes meshes = CasterMeshes::Any;
+    LightSize light_size = LightSize::Ignored;
+    bool alpha_cutouts = false;  ///< light passes where a material's alpha cuts a hole; false: it counts as opaque
     bool test_only = false;      ///< not offered to users (probe)
     std::function<TechniqueNeeds(const ParameterValues&)> needs{};
     /// What the layer approximates; empty: the hard mask.
@@ -82,6 +94,9 @@ ParameterValues resolve_parameters(const TechniqueDescriptor& technique, const P
 
 /// The truth of a layer with these resolved parameters.
 TruthSpec find_truth(const TechniqueDescriptor& technique, const ParameterValues& values);
+
+/// What the capabilities leave out (meshes, sizes and kinds of light, alpha), a sentence each. `limits` says the rest.
+std::vector<std::string> list_restrictions(const TechniqueDescriptor& technique);
 
 /// Throws the InputError of `check`: technique, parameter, value and what is allowed ("a number from 0.1 to 42 with
 /// bits = 16").

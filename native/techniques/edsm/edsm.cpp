@@ -118,7 +118,7 @@ TechniqueDescriptor describe_edsm() {
         .limits =
             "Where two edges fall into one texel, or a caster is thinner than one, it is no better than the shadow map",
         .parameters = edsm_parameters(),
-        .meshes = "any; where surfaces cut each other there is no edge, and the depth tests decide",
+        .meshes = CasterMeshes::MeshEdges,
         .needs =
             [](const ParameterValues& values) {
                 // The soft kernel sees edges as far as their quads reach, and asks the map beside them.

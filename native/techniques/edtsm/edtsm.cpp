@@ -225,6 +225,7 @@ TechniqueDescriptor describe_edtsm() {
         .reference = "Macedo17",
         .limits = "Knows few borders at a time, and only those that the camera sees",
         .parameters = edtsm_parameters(),
+        .light_size = LightSize::Followed,
         .needs =
             [](const ParameterValues& values) {
                 const Source source = make_source(values);

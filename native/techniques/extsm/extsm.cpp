@@ -128,7 +128,7 @@ TechniqueDescriptor describe_extsm() {
         .parameters = extsm_parameters(),
         .outputs = {describe_visibility(),
                     {"intensity", "Intensity", 1, "Visibility times the attenuation with distance"}},
-        .meshes = "any; where surfaces cut each other there is no edge, and the depth tests decide",
+        .meshes = CasterMeshes::MeshEdges,
         .needs = map_needs,
     };
 }

@@ -146,7 +146,7 @@ TechniqueDescriptor describe_multi() {
     };
     d.outputs = visibility_output();
     d.lights = all_light_kinds();
-    d.meshes = "any";
+    d.light_size = LightSize::Followed;
     d.limits = "As many grey levels as positions; the time grows with them";
     d.needs = [](const ParameterValues& values) {
         TechniqueNeeds needs = find_inner_needs(values.get_enum("technique"), inner_values(values));

@@ -164,7 +164,7 @@ TechniqueDescriptor describe_probe() {
     d.outputs.push_back({"supersampled", "Supersampled", 1, "Mean of four frames at sub-pixel offsets"});
     d.outputs.push_back({"normal", "Normal", 3, "The receiver's normal, world axes"});
     d.lights = all_light_kinds();
-    d.meshes = "any";
+    d.light_size = LightSize::Followed;
     d.limits = "It is not meant to look good";
     d.test_only = true;
     d.needs = [](const ParameterValues& values) {

@@ -53,7 +53,7 @@ TechniqueDescriptor describe_sssm() {
         .reference = "Sen03",
         .limits = "One point per texel: where two silhouettes cross a texel, one of them is lost",
         .parameters = {map_size_parameter()},
-        .meshes = "any; where surfaces cut each other there is no edge, and the depth tests decide",
+        .meshes = CasterMeshes::MeshEdges,
         .needs = map_needs,
     };
 }

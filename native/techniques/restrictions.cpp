@@ -1,0 +1,26 @@
+// SPDX-FileCopyrightText: 2026 Shadow Layers contributors
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "shadow_layers/names.h"
+#include "shadow_layers/technique_descriptor.h"
+
+namespace shadow_layers {
+
+std::vector<std::string> list_restrictions(const TechniqueDescriptor& technique) {
+    std::vector<std::string> restrictions;
+    const auto add = [&](bool holds, std::string text) {
+        if (holds) restrictions.push_back(std::move(text));
+    };
+    add(technique.meshes == CasterMeshes::Closed, "Casters must be closed meshes");
+    add(technique.meshes == CasterMeshes::MeshEdges,
+        "Borders are refined at the edges of meshes, not where surfaces cut each other");
+    add(technique.light_size == LightSize::Ignored, "Lights count as having no size");
+    add(!technique.alpha_cutouts, "Holes that a material's alpha cuts count as opaque");
+    if (technique.lights.size() < TechniqueDescriptor().lights.size()) {
+        std::string kinds;
+        for (const LightKind kind : technique.lights) kinds += (kinds.empty() ? "" : ", ") + std::string(get_name(kind));
+        restrictions.push_back("Serves these lights only: " + kinds);
+    }
+    return restrictions;
+}
+
+}  // namespace shadow_layers
