@@ -55,8 +55,8 @@ def python_files(root):
     return files
 
 
-def test_only_these_rooms_import_blender(root, python_files):
-    rooms = [root / "addon", root / "test_scenes", root / "tests" / "blender"]
+def test_only_these_modules_import_blender(root, python_files):
+    users_allowed = [root / "addon", root / "test_scenes", root / "tests" / "blender"]
     free = [root / "addon" / "compare", root / "addon" / "snapshot.py", root / "addon" / "names.py"]
     users = [
         path
@@ -65,8 +65,8 @@ def test_only_these_rooms_import_blender(root, python_files):
     ]
     assert users
     for path in users:
-        assert any(path.is_relative_to(room) for room in rooms), f"{path} imports Blender"
-        assert not any(path.is_relative_to(room) for room in free), f"{path} must do without Blender"
+        assert any(path.is_relative_to(folder) for folder in users_allowed), f"{path} imports Blender"
+        assert not any(path.is_relative_to(folder) for folder in free), f"{path} must do without Blender"
 
 
 def names_the_native_module(path):
@@ -100,7 +100,7 @@ def test_measures_and_snapshots_stand_alone(root, python_files):
             assert not name.startswith(("bpy", NATIVE_MODULE, "addon"))
 
 
-# --- C++: which room may include which, from the table in ARCHITECTURE.md ---
+# --- C++: which module may include which, from the table in ARCHITECTURE.md ---
 
 BELOW = {
     "base": set(),
@@ -134,25 +134,25 @@ def includes(path):
         yield quoted or angled
 
 
-def room_of(root, path):
+def module_of(root, path):
     return path.relative_to(root / "native").parts[0]
 
 
-def test_every_native_room_is_in_the_table(root):
-    rooms = {room_of(root, path) for path in native_files(root)}
-    assert rooms <= set(BELOW)
+def test_every_native_module_is_in_the_table(root):
+    modules = {module_of(root, path) for path in native_files(root)}
+    assert modules <= set(BELOW)
     text = (root / "ARCHITECTURE.md").read_text(encoding="utf-8")
-    for room in rooms:
-        assert f"`native/{room}/" in text, f"ARCHITECTURE.md does not name native/{room}/"
+    for module in modules:
+        assert f"`native/{module}/" in text, f"ARCHITECTURE.md does not name native/{module}/"
 
 
-def test_native_rooms_include_only_what_is_below_them(root):
+def test_native_modules_include_only_what_is_below_them(root):
     wrong = []
     for path in native_files(root):
-        room = room_of(root, path)
+        module = module_of(root, path)
         for name in includes(path):
             first = name.split("/")[0]
-            if "/" in name and first in BELOW and first != room and first not in BELOW[room]:
+            if "/" in name and first in BELOW and first != module and first not in BELOW[module]:
                 wrong.append(f"{path.relative_to(root)} includes {name}")
     assert wrong == []
 
@@ -160,7 +160,7 @@ def test_native_rooms_include_only_what_is_below_them(root):
 def test_the_truth_shares_nothing_with_what_it_judges(root):
     """Facing, casting and occlusion are restated in native/truth/; common are plain data and the light's samples."""
     judged = re.compile(r"(visibility|stages|techniques|engine)/|lights/(facing|receiver_scan|view_casters|map_fit)")
-    files = [path for path in native_files(root) if room_of(root, path) == "truth"]
+    files = [path for path in native_files(root) if module_of(root, path) == "truth"]
     assert files
     assert [f"{p.name}: {name}" for p in files for name in includes(p) if judged.match(name)] == []
 
@@ -176,24 +176,26 @@ LIBRARIES = {
 }
 
 
-def test_libraries_are_used_in_their_rooms_only(root):
+def test_libraries_are_used_in_their_modules_only(root):
     wrong = []
     for path in native_files(root):
         for name in includes(path):
-            for pattern, rooms in LIBRARIES.items():
-                if re.match(pattern, name) and room_of(root, path) not in rooms:
+            for pattern, modules in LIBRARIES.items():
+                if re.match(pattern, name) and module_of(root, path) not in modules:
                     wrong.append(f"{path.relative_to(root)} includes {name}")
     assert wrong == []
 
 
 def test_io_cli_and_bindings_see_public_headers_only(root):
     for path in native_files(root):
-        room = room_of(root, path)
-        if room not in ("io", "cli", "bindings", "include"):
+        module = module_of(root, path)
+        if module not in ("io", "cli", "bindings", "include"):
             continue
         for name in includes(path):
             first = name.split("/")[0]
-            assert first not in BELOW or first in (room, "include") or first in BELOW[room], f"{path} includes {name}"
+            assert first not in BELOW or first in (module, "include") or first in BELOW[module], (
+                f"{path} includes {name}"
+            )
 
 
 def technique_ids(root):

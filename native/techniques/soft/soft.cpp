@@ -47,9 +47,7 @@ TechniqueDescriptor describe_soft() {
             .item("fixed", "Fixed", "The same for all pixels: few samples show as bands")
             .item("rotated", "Rotated", "Sixteen patterns over each 4 x 4 pixels: few samples show as noise"),
     };
-    d.outputs = visibility_output();
-    d.lights = all_light_kinds();
-    d.meshes = "any";
+    d.light_size = LightSize::Followed;
     d.limits = "Fine casters before a light as large as the scene cost time";
     d.needs = [](const ParameterValues& values) {
         TechniqueNeeds needs;
