@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: 2026 Shadow Layers contributors
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
-// For *_kernel.cpp only: eight floats side by side, in one register or in two, so that a kernel is written once whatever
-// the width of the set's registers.
+// For *_kernel.cpp only: eight floats side by side, in one register or in two, so that a kernel is written once
+// whatever the width of the set's registers.
 
 #include <cstdint>
 
@@ -75,8 +75,7 @@ public:
     /// Bit i: a[i] > b[i]. Never for what is not a number.
     friend std::uint32_t find_greater(const Floats8& a, const Floats8& b) {
         std::uint32_t bits = 0;
-        for (int i = 0; i < kBatches; ++i)
-            bits |= gather_bits(a.parts_[i] > b.parts_[i]) << (i * int(Batch::size));
+        for (int i = 0; i < kBatches; ++i) bits |= gather_bits(a.parts_[i] > b.parts_[i]) << (i * int(Batch::size));
         return bits;
     }
 

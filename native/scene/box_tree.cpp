@@ -221,7 +221,8 @@ private:
         tree.nodes = top.nodes;
         tree.leaf_first = top.leaf_first;
         for (std::size_t i = 0; i < parts.size(); ++i) {
-            const auto first_node = std::uint32_t(tree.nodes.size()), first_leaf = std::uint32_t(tree.leaf_first.size());
+            const auto first_node = std::uint32_t(tree.nodes.size()),
+                       first_leaf = std::uint32_t(tree.leaf_first.size());
             tree.nodes[tasks_[i].node].child[tasks_[i].child] = first_node;
             for (BoxTree::Node node : parts[i].nodes) {
                 for (std::uint32_t& child : node.child)

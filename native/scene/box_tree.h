@@ -19,7 +19,8 @@ inline constexpr std::size_t kTreeWidth = 8;
 
 /// A tree of boxes over numbered items, such as the usable triangles of a mesh (scene/bounds.h) in object space.
 struct BoxTree {
-    static constexpr std::uint32_t kLeaf = 0x80000000u;  ///< child: this bit and the leaf's number; else a node's number
+    static constexpr std::uint32_t kLeaf =
+        0x80000000u;  ///< child: this bit and the leaf's number; else a node's number
     static constexpr std::uint32_t kNoChild = 0xffffffffu;
 
     struct Node {
@@ -29,7 +30,7 @@ struct BoxTree {
     std::vector<Node> nodes;                ///< the root first, every child after its parent; empty: there is no item
     std::vector<std::uint32_t> leaf_first;  ///< per leaf its first entry in `items`, and one past the last
     std::vector<std::uint32_t> items;       ///< of a mesh: numbers of triangles
-    double cost = 0;       ///< expected tests of a line through the root's box (surface areas)
+    double cost = 0;                        ///< expected tests of a line through the root's box (surface areas)
     double made_cost = 0;  ///< the same when the tree was made, before it was fitted to other positions
 
     std::size_t leaf_count() const { return leaf_first.empty() ? 0 : leaf_first.size() - 1; }
@@ -51,7 +52,8 @@ std::shared_ptr<const BoxTree> make_box_tree(std::span<const ItemBox> boxes, Thr
 std::shared_ptr<const BoxTree> make_mesh_tree(const Mesh& mesh, ThreadPool* threads = nullptr);
 
 /// The same tree over moved positions: `mesh` has the topology that `tree` was made for. Null if vertices have become
-/// usable or unusable, or if the tree would cost more than twice what it did when it was made: then it is better made anew.
+/// usable or unusable, or if the tree would cost more than twice what it did when it was made: then it is better made
+/// anew.
 std::shared_ptr<const BoxTree> refit_mesh_tree(const BoxTree& tree, const Mesh& mesh, ThreadPool* threads = nullptr);
 
 }  // namespace shadow_layers

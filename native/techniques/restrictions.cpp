@@ -17,7 +17,8 @@ std::vector<std::string> list_restrictions(const TechniqueDescriptor& technique)
     add(!technique.alpha_cutouts, "Holes that a material's alpha cuts count as opaque");
     if (technique.lights.size() < TechniqueDescriptor().lights.size()) {
         std::string kinds;
-        for (const LightKind kind : technique.lights) kinds += (kinds.empty() ? "" : ", ") + std::string(get_name(kind));
+        for (const LightKind kind : technique.lights)
+            kinds += (kinds.empty() ? "" : ", ") + std::string(get_name(kind));
         restrictions.push_back("Serves these lights only: " + kinds);
     }
     return restrictions;

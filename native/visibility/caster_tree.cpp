@@ -77,7 +77,7 @@ class CasterTree::Maker {
 public:
     Maker(CasterTree& made, const Scene& scene, const glm::dmat4& frame_from_world, const soft_kernel::Shaft& shaft,
           std::span<const TreeCaster> casters, const BoxWidening& widening)
-        : made_(made), scene_(scene), shaft_(shaft), casters_(casters), widening_(widening) {
+        : made_(made), shaft_(shaft), casters_(casters), widening_(widening) {
         for (const TreeCaster& caster : casters) {
             const Instance& instance = scene.instances[caster.instance];
             bases_.push_back({frame_from_world * instance.world_from_object, made.node_count_, made.leaf_count_});
@@ -170,7 +170,7 @@ private:
     Bounds bake_leaf(std::size_t caster, std::uint32_t number) {
         const Base& base = bases_[caster];
         const BoxTree& tree = *casters_[caster].tree;
-        const Mesh& mesh = *scene_.meshes[scene_.instances[casters_[caster].instance].mesh];
+        const Mesh& mesh = *casters_[caster].mesh;
         const std::uint32_t first = tree.leaf_first[number], count = tree.leaf_first[number + 1] - first;
         glm::dvec3 corners[kWidth][3];
         Bounds box;
@@ -184,10 +184,10 @@ private:
         const glm::dvec3 origin = 0.5 * (box.min + box.max), half = box.max - origin;
         for (int k = 0; k < 3; ++k) leaf.origin[k] = origin[k];
         leaf.size = float(std::max({half.x, half.y, half.z}) * (1 + 1e-6));
-        leaf.instance = casters_[caster].instance;
         leaf.lanes = (1u << count) - 1;
         for (std::uint32_t i = 0; i < std::uint32_t(kWidth); ++i) {
             const bool is_there = i < count;
+            leaf.instance[i] = casters_[caster].told_instance;
             leaf.triangle[i] = is_there ? tree.items[first + i] : kNoChild;
             for (int k = 0; k < 3; ++k) {
                 leaf.a[k][i] = is_there ? float(corners[i][0][k] - origin[k]) : 0.0f;
@@ -228,7 +228,6 @@ private:
     }
 
     CasterTree& made_;
-    const Scene& scene_;
     const soft_kernel::Shaft& shaft_;
     std::span<const TreeCaster> casters_;
     const BoxWidening widening_;

@@ -16,18 +16,20 @@ namespace shadow_layers {
 
 class ThreadPool;
 
-/// An instance that may cast into a shaft, with the tree of its mesh.
+/// An instance that may cast into a shaft, with the tree of its mesh, or of what stands for the mesh.
 struct TreeCaster {
     std::uint32_t instance = 0;
+    std::shared_ptr<const Mesh> mesh;
     std::shared_ptr<const BoxTree> tree;
+    std::uint32_t told_instance = 0;  ///< what leaves name as their instance
 };
 
 /// The casters of a light in one of its frames, as soft_kernel.h traverses them: their meshes' trees, with boxes and
 /// triangles brought into the frame, under a tree of the instances. What can't cast into the shaft is left out.
 class CasterTree {
 public:
-    /// `largest_place`, `place_error`: bounds of the receivers' coordinates in the frame and of how far off they may be;
-    /// boxes are widened by what rounding makes of them.
+    /// `largest_place`, `place_error`: bounds of the receivers' coordinates in the frame and of how far off they may
+    /// be; boxes are widened by what rounding makes of them.
     CasterTree(const Scene& scene, const glm::dvec3& picture_origin_ws, const LightFrame& frame,
                const soft_kernel::Shaft& shaft, std::span<const TreeCaster> casters, double largest_place,
                double place_error, ThreadPool& threads);

@@ -13,10 +13,10 @@ namespace shadow_layers {
 /// Positions are relative to `origin_rel`, which lies among the receivers.
 struct LightFrame {
     bool directional = false;
-    glm::dmat3 axes{1.0};           ///< columns u, v, w in world space
-    glm::dvec3 origin_rel{0.0};     ///< relative to the picture's origin, world axes
-    glm::dvec3 centre{0.0};         ///< of the light, in this frame; unused for a sun
-    int face = -1;                  ///< of a cube about the light: only receivers in that direction; -1: all
+    glm::dmat3 axes{1.0};        ///< columns u, v, w in world space
+    glm::dvec3 origin_rel{0.0};  ///< relative to the picture's origin, world axes
+    glm::dvec3 centre{0.0};      ///< of the light, in this frame; unused for a sun
+    int face = -1;               ///< of a cube about the light: only receivers in that direction; -1: all
 
     glm::dvec3 from_rel(const glm::dvec3& position_rel) const { return (position_rel - origin_rel) * axes; }
     glm::dvec3 turn(const glm::dvec3& direction) const { return direction * axes; }
@@ -24,10 +24,14 @@ struct LightFrame {
     glm::dmat4 from_world(const glm::dvec3& picture_origin_ws) const;
 };
 
-/// Frames for a light, their origins not yet set: one along the axis of a sun, an area light or a narrow spot; else six,
-/// the faces of a cube about it. `centre`: the light's sample in its middle.
+/// Frames for a light, their origins not yet set: one along the axis of a sun, an area light or a narrow spot; else
+/// six, the faces of a cube about it. `centre`: the light's sample in its middle.
 std::vector<LightFrame> make_light_frames(const Light& light, const LightSample& centre,
                                           const glm::dvec3& picture_origin_ws);
+
+/// Turns a frame about w so that most of the casters' long edges run along u or v, as far as they agree: the boxes
+/// round walls, columns and beams are then thin. Looks at some triangles of some casters.
+void align_with_edges(const Scene& scene, const Light& light, LightFrame& frame);
 
 /// The cube face in which a receiver lies: +X -X +Y -Y +Z -Z of the light's axes.
 int find_light_face(const LightSample& centre, const glm::dvec3& from_light_ws);

@@ -82,6 +82,11 @@ bool OcclusionRule::is_blocked(const glm::dvec3& receiver_rel, const PixelIds& r
     return !is_neighbour_in_plane(frame_.get_corners_rel(receiver), corners);
 }
 
+bool OcclusionRule::is_own_surface(const PixelIds& receiver, const PixelIds& caster) const {
+    if (receiver.instance == caster.instance && receiver.triangle == caster.triangle) return true;
+    return is_neighbour_in_plane(frame_.get_corners_rel(receiver), frame_.get_corners_rel(caster));
+}
+
 double OcclusionRule::find_corner_rounding(const PixelIds& ids) const {
     const Instance& instance = frame_.scene->instances[ids.instance];
     const Mesh& mesh = *frame_.scene->meshes[instance.mesh];

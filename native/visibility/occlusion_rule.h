@@ -35,6 +35,9 @@ public:
     bool is_blocked(const glm::dvec3& receiver_rel, const PixelIds& receiver, const PixelIds& caster,
                     const LightSample& sample) const;
 
+    /// Does the triangle never shadow what lies on `receiver`, because it is that triangle or a flat neighbour of it?
+    bool is_own_surface(const PixelIds& receiver, const PixelIds& caster) const;
+
     /// How far a triangle's corners may be off because a mesh keeps them in float.
     double find_corner_rounding(const PixelIds& ids) const;
 

@@ -51,7 +51,8 @@ void fill_tables(std::span<const ImageRange> images, double least_width, float& 
                  std::uint64_t (&from)[kTableSize], std::uint64_t (&to)[kTableSize]) {
     double low = images[0].low, high = images[0].high;
     for (const ImageRange& image : images) low = std::min(low, image.low), high = std::max(high, image.high);
-    // From entry 2 to the last but two: images before and behind have entries of their own, and each sample one to spare.
+    // From entry 2 to the last but two: images before and behind have entries of their own, and each sample one to
+    // spare.
     const double width = std::max(high - low, least_width);
     scale = float((kBins - 3) / width);
     offset = float(2 - low * double(scale));
@@ -113,16 +114,19 @@ void SampleSets::add_set(std::span<const glm::dvec3> places, std::span<std::uint
         numbers_.push_back(numbers[i < numbers.size() ? i : 0]);
     }
     glm::dvec3 low(place_at(0)), high(low);
-    for (std::size_t i = 0; i < numbers.size(); ++i) low = glm::min(low, place_at(i)), high = glm::max(high, place_at(i));
+    for (std::size_t i = 0; i < numbers.size(); ++i)
+        low = glm::min(low, place_at(i)), high = glm::max(high, place_at(i));
     for (int k = 0; k < 3; ++k) set.low[k] = float(low[k]), set.high[k] = float(high[k]);
     for (int group = 0; group < kWidth; ++group) {
         glm::dvec3 group_low(place_at(std::size_t(8 * group))), group_high(group_low);
         for (std::size_t i = std::size_t(8 * group); i < std::min(numbers.size(), std::size_t(8 * group + 8)); ++i)
             group_low = glm::min(group_low, place_at(i)), group_high = glm::max(group_high, place_at(i));
         const glm::dvec3 middle = 0.5 * (group_low + group_high), reach = 0.5 * (group_high - group_low) * (1 + 1e-6);
-        set.group_u[group] = float(middle.x), set.group_v[group] = float(middle.y), set.group_w[group] = float(middle.z);
+        set.group_u[group] = float(middle.x), set.group_v[group] = float(middle.y),
+        set.group_w[group] = float(middle.z);
         set.reach_u[group] = float(reach.x), set.reach_v[group] = float(reach.y), set.reach_w[group] = float(reach.z);
     }
+    set.is_flat = is_flat_;
     sets_.push_back(set);
     if (is_flat_) tables_.push_back(make_tables(set, {{0, 0}, {0, 0}, {distance_, distance_}}));
 }
@@ -135,8 +139,8 @@ soft_kernel::MaskTables make_tables(const SampleSet& set, const BlockPlace& plac
         u[i] = v[i] = {double(set.u[i]), double(set.u[i])};
         v[i] = {double(set.v[i]), double(set.v[i])};
         if (set.w[i] == 0) continue;
-        // On the plane w = 0, from (base, height): base + (place - base) height / (height + w). In each of base and height
-        // it only grows or only falls, so corners are extremes.
+        // On the plane w = 0, from (base, height): base + (place - base) height / (height + w). In each of base and
+        // height it only grows or only falls, so corners are extremes.
         u[i] = v[i] = {1e300, -1e300};
         for (int k = 0; k < 4; ++k) {
             const double t = place.height[k & 1] / (place.height[k & 1] + double(set.w[i]));

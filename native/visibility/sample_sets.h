@@ -30,8 +30,8 @@ public:
     /// Tables of a flat set.
     const soft_kernel::MaskTables& tables(std::size_t i) const { return tables_[i]; }
 
-    /// A sun so wide that its samples have no useful place on a plane: they are kept as directions, and no box is left out
-    /// for where it lies.
+    /// A sun so wide that its samples have no useful place on a plane: they are kept as directions, and no box is left
+    /// out for where it lies.
     bool needs_all() const { return needs_all_; }
 
     /// Box of all, about the light's centre: low, high.

@@ -15,6 +15,9 @@ constexpr int kStackSize = 1024;
 // A leaf that hides at least so many samples of one receiver is tried first for the next ones.
 constexpr int kHintSamples = 8;
 
+// Up to so many samples are followed as rays.
+constexpr int kFewRays = 2;
+
 struct Waiting {
     std::uint64_t mask;
     std::uint32_t child;
@@ -31,24 +34,34 @@ void note_hint(Trace& trace, std::uint32_t leaf) {
     trace.hints[Trace::kMostHints - 1] = leaf;
 }
 
+inline const Leaf& get_leaf(const Trace& trace, std::uint32_t link) {
+    const std::uint32_t number = link & ~(kLeaf | kOfBlock);
+    return link & kOfBlock ? trace.roots.leaves[number] : trace.tree.leaves[number];
+}
+
+template <bool kFlat>
 void try_hints(Trace& trace, const Receiver& r, const View& view, std::uint64_t& open) {
     int kept = 0;
     for (int i = 0; i < trace.hint_count && open != 0; ++i) {
         const std::uint32_t leaf = trace.hints[i];
-        if (test_leaf(trace, trace.tree.leaves[leaf], r, view, open, open) >= kHintSamples) trace.hints[kept++] = leaf;
+        if (test_leaf<kFlat>(trace, get_leaf(trace, leaf), r, view, open, open) >= kHintSamples)
+            trace.hints[kept++] = leaf;
     }
     if (open != 0) trace.hint_count = kept;
 }
 
-std::uint64_t trace_receiver(Trace& trace, const Receiver& r, std::uint64_t open) {
+template <bool kFlat>
+std::uint64_t trace_tree(Trace& trace, const Receiver& r, std::uint64_t open) {
     const View view(r, *trace.samples);
-    try_hints(trace, r, view, open);
+    try_hints<kFlat>(trace, r, view, open);
     Waiting stack[kStackSize];
     int top = 0;
     const auto open_node = [&](const Node& node, std::uint64_t mask) {
         ++trace.counts.nodes;
         std::uint64_t masks[kWidth];
-        std::uint32_t children = test_node(node, view, *trace.tables, mask, masks);
+        std::uint32_t children = __builtin_popcountll(mask) <= kFewRays
+                                     ? test_rays(node, view, *trace.samples, mask, masks)
+                                     : test_node(node, view, *trace.tables, mask, masks);
         for (; children != 0; children &= children - 1) {
             const int i = __builtin_ctz(children);
             stack[top++] = {masks[i], node.child[i]};
@@ -64,12 +77,16 @@ std::uint64_t trace_receiver(Trace& trace, const Receiver& r, std::uint64_t open
                 open_node(trace.tree.nodes[next.child], mask);
                 continue;
             }
-            const std::uint32_t leaf = next.child & ~kLeaf;
-            if (test_leaf(trace, trace.tree.leaves[leaf], r, view, mask, open) >= kHintSamples) note_hint(trace, leaf);
+            const Leaf& leaf = get_leaf(trace, next.child);
+            if (test_leaf<kFlat>(trace, leaf, r, view, mask, open) >= kHintSamples) note_hint(trace, next.child);
             if (open == 0) return 0;
         }
     }
     return open;
+}
+
+std::uint64_t trace_receiver(Trace& trace, const Receiver& r, std::uint64_t open) {
+    return trace.samples->is_flat ? trace_tree<true>(trace, r, open) : trace_tree<false>(trace, r, open);
 }
 
 void weigh(const SampleSet& s, const Receiver& r, bool is_area, std::uint64_t lit, std::uint64_t visible,
@@ -98,7 +115,7 @@ void weigh(const SampleSet& s, const Receiver& r, bool is_area, std::uint64_t li
 
 }  // namespace
 
-extern const Build SHADOW_LAYERS_OF_SET(kBuild){get_name(InstructionSet::SHADOW_LAYERS_SET), trace_receiver, test_shaft,
-                                                weigh};
+extern const Build SHADOW_LAYERS_OF_SET(kBuild){get_name(InstructionSet::SHADOW_LAYERS_SET), trace_receiver,
+                                                find_covering, test_shaft, weigh};
 
 }  // namespace shadow_layers::soft_kernel

@@ -15,26 +15,26 @@
 
 namespace shadow_layers::soft_kernel {
 
-inline constexpr int kWidth = 8;          ///< children of a node, triangles of a leaf, samples of a group
-inline constexpr int kMostSamples = 64;   ///< of a set: the bits of a mask
-inline constexpr int kBins = 128;         ///< of a mask table
+inline constexpr int kWidth = 8;         ///< children of a node, triangles of a leaf, samples of a group
+inline constexpr int kMostSamples = 64;  ///< of a set: the bits of a mask
+inline constexpr int kBins = 128;        ///< of a mask table
 inline constexpr int kTableSize = kBins + 2;
-inline constexpr std::uint32_t kLeaf = 0x80000000u, kNoChild = 0xffffffffu;
+/// Links: kLeaf and a leaf's number, kLeaf, kOfBlock and the number of a leaf of the block's own, or a node's number.
+inline constexpr std::uint32_t kLeaf = 0x80000000u, kOfBlock = 0x40000000u, kNoChild = 0xffffffffu;
 
 /// Children of a node: boxes in the light's frame, widened so that float arithmetic on them misses nothing.
 struct alignas(64) Node {
     float low[3][kWidth], high[3][kWidth];  ///< low > high where there is none
-    std::uint32_t child[kWidth];            ///< kLeaf and a leaf's number, or a node's; kNoChild
+    std::uint32_t child[kWidth];            ///< a link; kNoChild
 };
 
 /// Triangles of a leaf about its own origin: a corner and the two edges from it.
 struct alignas(64) Leaf {
     float a[3][kWidth], edge_1[3][kWidth], edge_2[3][kWidth];  ///< all 0 in empty lanes
     double origin[3];
-    float size;               ///< largest coordinate of any corner about the origin
-    std::uint32_t instance;   ///< of all its triangles
-    std::uint32_t lanes;      ///< bits of the lanes that hold a triangle
-    std::uint32_t triangle[kWidth];
+    float size;           ///< largest coordinate of any corner about the origin
+    std::uint32_t lanes;  ///< bits of the lanes that hold a triangle
+    std::uint32_t instance[kWidth], triangle[kWidth];
 };
 
 /// Which samples of a set may a box hide whose image on the plane w = 0 of the light is given? Entry x of `u_from`:
@@ -48,23 +48,24 @@ struct MaskTables {
 /// Up to 64 samples of a light, in groups of eight that lie close together. Unused places repeat the first sample.
 struct alignas(64) SampleSet {
     float u[kMostSamples], v[kMostSamples], w[kMostSamples];
-    float group_u[kWidth], group_v[kWidth], group_w[kWidth];     ///< middles of the boxes of groups
-    float reach_u[kWidth], reach_v[kWidth], reach_w[kWidth];     ///< half their sizes
-    std::uint64_t all;   ///< the bits of samples that are there
+    float group_u[kWidth], group_v[kWidth], group_w[kWidth];  ///< middles of the boxes of groups
+    float reach_u[kWidth], reach_v[kWidth], reach_w[kWidth];  ///< half their sizes
+    std::uint64_t all;                                        ///< the bits of samples that are there
     int group_count;
+    bool is_flat;           ///< all w are 0
     float low[3], high[3];  ///< box of all samples
 };
 
 /// What is asked about one receiver and one set.
 struct Receiver {
-    double at[3];        ///< in the light's frame
-    float normal[3];     ///< unit, towards the light's side; in the light's frame
+    double at[3];     ///< in the light's frame
+    float normal[3];  ///< unit, towards the light's side; in the light's frame
     float base_u, base_v, height;
-    /// Heights over the receiver, along w, between which the light lies. Of a sun, and only of one, both are larger than
-    /// any triangle's. Low is less than any triangle's if samples may lie below the receiver.
+    /// Heights over the receiver, along w, between which the light lies. Of a sun, and only of one, both are larger
+    /// than any triangle's. Low is less than any triangle's if samples may lie below the receiver.
     float light_low, light_high;
-    float error;         ///< how far off `at` may be, on each axis
-    float least_slope;   ///< of normal . d / |d| over directions to samples; <= 0: unknown
+    float error;                       ///< how far off `at` may be, on each axis
+    float least_slope;                 ///< of normal . d / |d| over directions to samples; <= 0: unknown
     std::uint32_t instance, triangle;  ///< that it lies on
     std::uint32_t is_near;  ///< 1: samples may lie beside or below it along w; no box is left out for where it lies
     std::uint32_t number;   ///< for `settle`
@@ -72,8 +73,9 @@ struct Receiver {
 
 /// Roots of the tree as a block of receivers needs it: what its shaft has left.
 struct Roots {
-    const Node* nodes;  ///< with links into the tree
+    const Node* nodes;  ///< with links into the tree, and to the block's leaves
     int count;
+    const Leaf* leaves;
 };
 
 struct Tree {
@@ -96,7 +98,7 @@ struct Trace {
                             std::uint64_t mask);
     void* context;
     static constexpr int kMostHints = 4;
-    std::uint32_t hints[kMostHints];  ///< leaves that hid many samples of the receivers before
+    std::uint32_t hints[kMostHints];  ///< links to leaves that hid many samples of the receivers before
     int hint_count;
     Counts counts;
 };
@@ -104,8 +106,8 @@ struct Trace {
 /// A block of receivers as one, for leaving out what none of them needs.
 struct Shaft {
     float low[3], high[3];  ///< box of the receivers
-    /// Of a sun: box of the slopes of all samples. Else: box on the plane w = sample_high[2], behind the whole light, of the
-    /// images of all samples from any of the receivers. A little larger than that.
+    /// Of a sun: box of the slopes of all samples. Else: box on the plane w = sample_high[2], behind the whole light,
+    /// of the images of all samples from any of the receivers. A little larger than that.
     float sample_low[3], sample_high[3];
     std::uint32_t directional;
     std::uint32_t is_near;    ///< as in Receiver, of any
@@ -118,6 +120,8 @@ struct Build {
     const char* name;
     /// Which of the samples in `open` does nothing hide?
     std::uint64_t (*trace)(Trace& trace, const Receiver& receiver, std::uint64_t open);
+    /// Lanes of the leaf whose triangles hide all of the samples' box from the receiver; those that are there for sure.
+    std::uint32_t (*find_covering)(const Leaf& leaf, const Receiver& receiver, const SampleSet& samples);
     /// Bits of the children that may hide something from the shaft's receivers.
     std::uint32_t (*test_shaft)(const Shaft& shaft, const Node& node);
     /// Sums of the samples' weights: of those in `lit`, and of those in `visible` among them. A sample counts by the

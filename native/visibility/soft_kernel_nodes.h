@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: 2026 Shadow Layers contributors
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
-// A part of soft_kernel.cpp: boxes. What a box may hide from a receiver is found by its image on the light's plane w = 0,
-// seen from the receiver.
+// A part of soft_kernel.cpp: boxes. What a box may hide from a receiver is found by its image on the light's plane w =
+// 0, seen from the receiver.
 
 #include "base/kernel_lanes.h"
 #include "visibility/soft_kernel.h"
@@ -21,6 +21,7 @@ struct View {
     float base_u, base_v, height, top;  ///< boxes above `top` lie beyond the light
     float error_u, error_v;             ///< of an image
     float slope;                        ///< 0: unknown
+    float direction_size;               ///< no coordinate of a direction to a sample is larger
     bool is_near;
 
     View(const Receiver& r, const SampleSet& samples) {
@@ -32,6 +33,13 @@ struct View {
         top = r.light_high * (1 + kImageError);
         slope = r.least_slope > 0 ? r.least_slope : 0.0f;
         is_near = r.is_near != 0;
+        const float base[3] = {base_u, base_v, height};
+        direction_size = 0;
+        for (int k = 0; k < 3; ++k) {
+            const float reach = samples.high[k] > -samples.low[k] ? samples.high[k] : -samples.low[k];
+            const float most = (base[k] < 0 ? -base[k] : base[k]) + reach;
+            direction_size = most > direction_size ? most : direction_size;
+        }
     }
 };
 
@@ -65,8 +73,8 @@ struct Entries {
     alignas(32) float u_low[kWidth], u_high[kWidth], v_low[kWidth], v_high[kWidth];
 };
 
-inline void find_entries(const Floats8& low, const Floats8& high, const Floats8& t_near, const Floats8& t_far, float base,
-                         float error, float scale, float offset, float* entry_low, float* entry_high) {
+inline void find_entries(const Floats8& low, const Floats8& high, const Floats8& t_near, const Floats8& t_far,
+                         float base, float error, float scale, float offset, float* entry_low, float* entry_high) {
     const Floats8 least = min(low * t_near, low * t_far), most = max(high * t_near, high * t_far);
     const Floats8 zero(0.0f), last(float(kBins + 1));
     const float at_low = (base - error) * scale + offset, at_high = (base + error) * scale + offset;
@@ -79,7 +87,8 @@ inline std::uint32_t test_node(const Node& node, const View& view, const MaskTab
                                std::uint64_t (&masks)[kWidth]) {
     const NearBoxes boxes(node, view.at);
     const Floats8 zero(0.0f);
-    std::uint32_t alive = find_greater(boxes.find_rise(view.normal), Floats8(view.slope) * max(boxes.find_distance(), zero));
+    std::uint32_t alive =
+        find_greater(boxes.find_rise(view.normal), Floats8(view.slope) * max(boxes.find_distance(), zero));
     if (view.is_near) {
         for (std::uint32_t left = alive; left != 0; left &= left - 1) masks[__builtin_ctz(left)] = mask;
         return alive;
@@ -87,7 +96,8 @@ inline std::uint32_t test_node(const Node& node, const View& view, const MaskTab
     alive &= find_greater(boxes.high[2], zero) & find_greater(Floats8(view.top), boxes.low[2]);
     if (alive == 0) return 0;
     const Floats8 height(view.height);
-    const Floats8 t_near = height / max(boxes.low[2], Floats8(view.height * kLeastHeight)), t_far = height / boxes.high[2];
+    const Floats8 t_near = height / max(boxes.low[2], Floats8(view.height * kLeastHeight)),
+                  t_far = height / boxes.high[2];
     Entries entries;
     find_entries(boxes.low[0], boxes.high[0], t_near, t_far, view.base_u, view.error_u, tables.scale_u, tables.offset_u,
                  entries.u_low, entries.u_high);
@@ -99,6 +109,32 @@ inline std::uint32_t test_node(const Node& node, const View& view, const MaskTab
         masks[i] = mask & tables.u_from[int(entries.u_low[i])] & tables.u_to[int(entries.u_high[i])] &
                    tables.v_from[int(entries.v_low[i])] & tables.v_to[int(entries.v_high[i])];
         if (masks[i] != 0) kept |= 1u << i;
+    }
+    return kept;
+}
+
+/// For very few samples: the rays to them against the boxes themselves, which are smaller than their images' bounds.
+inline std::uint32_t test_rays(const Node& node, const View& view, const SampleSet& samples, std::uint64_t mask,
+                               std::uint64_t (&masks)[kWidth]) {
+    const NearBoxes boxes(node, view.at);
+    const Floats8 zero(0.0f);
+    std::uint32_t kept = 0;
+    for (int i = 0; i < kWidth; ++i) masks[i] = 0;
+    for (std::uint64_t left = mask; left != 0; left &= left - 1) {
+        const int sample = __builtin_ctzll(left);
+        const float d[3] = {samples.u[sample] - view.base_u, samples.v[sample] - view.base_v,
+                            samples.w[sample] + view.height};
+        Floats8 enter(0.0f), leave(3e38f);
+        for (int k = 0; k < 3; ++k) {
+            const float least = kLeastHeight * view.direction_size;
+            const float over = 1 / (d[k] < 0 ? (d[k] < -least ? d[k] : -least) : (d[k] > least ? d[k] : least));
+            enter = max(enter, (over > 0 ? boxes.low[k] : boxes.high[k]) * Floats8(over));
+            leave = min(leave, (over > 0 ? boxes.high[k] : boxes.low[k]) * Floats8(over));
+        }
+        // Where there is no child rays enter at infinity.
+        std::uint32_t hit = find_greater(leave * Floats8(1 + 4 * kImageError), enter) & find_greater(leave, zero);
+        kept |= hit;
+        for (; hit != 0; hit &= hit - 1) masks[__builtin_ctz(hit)] |= std::uint64_t(1) << sample;
     }
     return kept;
 }
@@ -118,8 +154,7 @@ inline std::uint32_t test_shaft(const Shaft& shaft, const Node& node) {
     std::uint32_t alive = find_greater(high[0], Floats8(-3e38f));  // not where there is no child
     if (shaft.has_plane) {
         Floats8 rise(-shaft.offset);
-        for (int k = 0; k < 3; ++k)
-            rise = fma(Floats8(shaft.normal[k]), shaft.normal[k] >= 0 ? high[k] : low[k], rise);
+        for (int k = 0; k < 3; ++k) rise = fma(Floats8(shaft.normal[k]), shaft.normal[k] >= 0 ? high[k] : low[k], rise);
         alive &= find_greater(rise, zero);
     }
     if (shaft.is_near) return alive;

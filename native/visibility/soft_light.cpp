@@ -24,9 +24,8 @@ SoftLight::SoftLight(const Frame& frame, const Light& light, std::vector<std::ve
         std::vector<FacingRule>& rules = rules_.emplace_back();
         for (const LightSample& sample : list) {
             rules.emplace_back(frame, light, sample);
-            radius_ = std::max(radius_, centre_.directional
-                                            ? glm::distance(sample.to_light_ws, centre_.to_light_ws)
-                                            : glm::distance(sample.position_ws, centre_.position_ws));
+            radius_ = std::max(radius_, centre_.directional ? glm::distance(sample.to_light_ws, centre_.to_light_ws)
+                                                            : glm::distance(sample.position_ws, centre_.position_ws));
         }
     }
     // An area light's samples lie in the plane that bounds its half-space.
@@ -42,7 +41,8 @@ SoftLight::Stance SoftLight::find_stance(std::size_t pixel) const {
     Stance stance{Which::All, decide(glm::dot(glm::dvec3(frame_.normals[pixel]), to_light), radius_ + slack)};
     if (centre_.cone_cos > -1) {
         const glm::dvec3 local = to_light * centre_.axes_ws;
-        const double inside = local.z * centre_.cone_sin - std::hypot(local.x, local.y) * centre_.cone_cos;
+        const double inside =
+            local.z * centre_.cone_sin - std::sqrt(local.x * local.x + local.y * local.y) * centre_.cone_cos;
         stance.in_cone = decide(inside, cone_reach_ + slack);
     }
     return stance;

@@ -22,6 +22,8 @@ public:
     const std::vector<LightSample>& samples(std::size_t list) const { return lists_[list]; }
     std::size_t sample_count() const { return lists_.front().size(); }
     const LightSample& centre() const { return centre_; }
+    /// Of the ball about the centre that holds all samples; of a sun's: of their unit vectors.
+    double radius() const { return radius_; }
 
     bool is_candidate(std::size_t pixel) const { return centre_rule_.is_candidate(pixel); }
 
@@ -32,7 +34,9 @@ public:
         Which in_cone, turned_to;
         bool is_lit_by_all() const { return in_cone == Which::All && turned_to == Which::All; }
         /// Nothing that may lie between can change this receiver's visibility: 1 outside the cone, 0 turned away.
-        bool is_decided() const { return in_cone == Which::None || (in_cone == Which::All && turned_to == Which::None); }
+        bool is_decided() const {
+            return in_cone == Which::None || (in_cone == Which::All && turned_to == Which::None);
+        }
         float get_decided() const { return in_cone == Which::None ? 1.0f : 0.0f; }
     };
     Stance find_stance(std::size_t pixel) const;
@@ -48,8 +52,8 @@ private:
     FacingRule centre_rule_;
     std::vector<std::vector<FacingRule>> rules_;
     const Frame& frame_;
-    double radius_ = 0;       ///< of the ball about the centre that holds all samples; of a sun's: of their unit vectors
-    double cone_reach_ = 0;   ///< along the cone's axis and across it
+    double radius_ = 0;
+    double cone_reach_ = 0;  ///< along the cone's axis and across it
 };
 
 }  // namespace shadow_layers

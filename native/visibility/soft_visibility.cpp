@@ -9,6 +9,8 @@
 
 #include "lights/light_shape.h"
 #include "lights/sample_pattern.h"
+#include "scene/bounds.h"
+#include "scene/inner_occluders.h"
 #include "visibility/caster_tree.h"
 #include "visibility/sample_sets.h"
 #include "visibility/soft_block.h"
@@ -16,6 +18,24 @@
 
 namespace shadow_layers {
 namespace {
+
+/// Where receivers lie, and how many.
+struct PartBounds {
+    Bounds box;
+    double largest = 0;  ///< coordinate of any, relative to the picture's origin
+    std::size_t count = 0;
+
+    void add(const glm::dvec3& place, double coordinate) {
+        box.add(place);
+        largest = std::max(largest, coordinate);
+        ++count;
+    }
+    void add(const PartBounds& other) {
+        box.add(other.box);
+        largest = std::max(largest, other.largest);
+        count += other.count;
+    }
+};
 
 constexpr int kShifts = 16;
 constexpr std::size_t kRowBlock = 8;
@@ -43,10 +63,18 @@ std::shared_ptr<const BoxTree> get_tree(Engine& engine, const Mesh& mesh) {
     });
 }
 
+std::shared_ptr<const InnerOccluders> get_inner_occluders(Engine& engine, const Mesh& mesh) {
+    return engine.mesh_data().get_for_mesh<InnerOccluders>(
+        mesh, [&](const auto&) { return make_inner_occluders(mesh, &engine.threads()); });
+}
+
 class SoftRun {
 public:
     SoftRun(Engine& engine, const Frame& frame, const Light& light, const SoftSettings& settings)
-        : engine_(engine), frame_(frame), light_(light), settings_(settings),
+        : engine_(engine),
+          frame_(frame),
+          light_(light),
+          settings_(settings),
           samples_(frame, light, make_sample_lists(light, settings)),
           rule_(frame, samples_.centre()) {}
 
@@ -66,8 +94,9 @@ public:
 private:
     /// Answers what needs no casters, and finds for each frame of the light where its receivers lie.
     void place_receivers(std::vector<float>& visibility) {
-        const std::vector<LightFrame> frames = make_light_frames(light_, samples_.centre(), frame_.origin_ws);
-        part_of_pixel_.assign(frame_.pixel_count(), kNoPart);
+        std::vector<LightFrame> frames = make_light_frames(light_, samples_.centre(), frame_.origin_ws);
+        for (LightFrame& frame : frames) align_with_edges(*frame_.scene, light_, frame);
+        stances_.assign(frame_.pixel_count(), {});
         const std::size_t blocks = (std::size_t(frame_.height) + kRowBlock - 1) / kRowBlock;
         std::vector<std::vector<PartBounds>> bounds(blocks, std::vector<PartBounds>(frames.size()));
         engine_.threads().parallel_for(std::size_t(frame_.height), kRowBlock, [&](std::size_t begin, std::size_t end) {
@@ -94,10 +123,12 @@ private:
         const glm::dvec3 place(frame_.positions_rel[pixel]);
         std::size_t part = 0;
         if (frames.size() > 1)
-            part = std::size_t(find_light_face(samples_.centre(),
-                                               place + frame_.origin_ws - samples_.centre().position_ws));
-        part_of_pixel_[pixel] = std::uint8_t(part);
-        bounds[part].add(place * frames[part].axes, std::max({std::abs(place.x), std::abs(place.y), std::abs(place.z)}));
+            part = std::size_t(
+                find_light_face(samples_.centre(), place + frame_.origin_ws - samples_.centre().position_ws));
+        stances_[pixel].part = std::uint8_t(part) & 0x7f;
+        stances_[pixel].is_lit_by_all = stance.is_lit_by_all();
+        bounds[part].add(place * frames[part].axes,
+                         std::max({std::abs(place.x), std::abs(place.y), std::abs(place.z)}));
         return 1.0f;
     }
 
@@ -117,13 +148,30 @@ private:
         part.set_sample_box();
         const soft_kernel::Shaft shaft = make_shaft(part, part.receivers);
         const BoxWidening widening{1e-6, 1e-6 * part.largest_place + 2 * part.place_error};
-        std::vector<TreeCaster> casters;
+        std::vector<TreeCaster> casters, inner;
         const Scene& scene = *frame_.scene;
         for (const std::uint32_t i :
-             find_shaft_casters(scene, light_, frame_.origin_ws, part.frame, shaft, widening, engine_.threads()))
-            casters.push_back({i, get_tree(engine_, *scene.meshes[scene.instances[i].mesh])});
-        part.tree = std::make_unique<CasterTree>(scene, frame_.origin_ws, part.frame, shaft, casters,
-                                                 part.largest_place, part.place_error, engine_.threads());
+             find_shaft_casters(scene, light_, frame_.origin_ws, part.frame, shaft, widening, engine_.threads())) {
+            const std::shared_ptr<const Mesh>& mesh = scene.meshes[scene.instances[i].mesh];
+            casters.push_back({i, mesh, get_tree(engine_, *mesh), i});
+            if (may_lie_inside(scene.instances[i], *mesh)) continue;
+            const auto occluders = get_inner_occluders(engine_, *mesh);
+            if (occluders->mesh) inner.push_back({i, occluders->mesh, occluders->tree, soft_kernel::kNoChild});
+        }
+        const auto make_tree = [&](const std::vector<TreeCaster>& from) {
+            return std::make_unique<CasterTree>(scene, frame_.origin_ws, part.frame, shaft, from, part.largest_place,
+                                                part.place_error, engine_.threads());
+        };
+        part.tree = make_tree(casters);
+        part.inner_tree = make_tree(inner);
+    }
+
+    /// Is the light, or a part of it, in the box round the instance? Then its inner occluders prove nothing.
+    bool may_lie_inside(const Instance& instance, const Mesh& mesh) const {
+        if (samples_.centre().directional) return false;
+        const Bounds box = transform_bounds(mesh.bounds, instance.world_from_object);
+        const glm::dvec3 nearest = glm::clamp(samples_.centre().position_ws, box.min, box.max);
+        return glm::distance(nearest, samples_.centre().position_ws) <= samples_.radius() * (1 + 1e-6);
     }
 
     void trace(std::vector<float>& visibility) {
@@ -131,7 +179,7 @@ private:
         const int rows = (frame_.height + kBlockSide - 1) / kBlockSide;
         engine_.threads().parallel_for(std::size_t(columns) * std::size_t(rows), 1, [&](std::size_t i, std::size_t) {
             engine_.cancel_token().check();
-            SoftBlock block({frame_, samples_, parts_, part_of_pixel_, rule_, light_.kind == LightKind::Area,
+            SoftBlock block({frame_, samples_, parts_, stances_, rule_, light_.kind == LightKind::Area,
                              settings_.is_rotated ? settings_.picture_sample : 0},
                             int(i) % columns * kBlockSide, int(i) / columns * kBlockSide);
             block.trace(visibility);
@@ -143,7 +191,7 @@ private:
     void count() {
         std::size_t tree_bytes = 0;
         for (const SoftPart& part : parts_)
-            if (part.tree) tree_bytes += part.tree->byte_size();
+            if (part.tree) tree_bytes += part.tree->byte_size() + part.inner_tree->byte_size();
         engine_.count("receivers", std::int64_t(receiver_count_));
         engine_.count("light_samples", std::int64_t(samples_.sample_count()));
         engine_.count("tree_bytes", std::int64_t(tree_bytes));
@@ -151,6 +199,7 @@ private:
         engine_.count("leaf_tests", std::int64_t(counts_.leaves));
         engine_.count("open_pairs", std::int64_t(counts_.settled));
         engine_.count("lit_blocks", std::int64_t(counts_.lit_blocks));
+        engine_.count("dark_blocks", std::int64_t(counts_.dark_blocks));
     }
 
     Engine& engine_;
@@ -160,7 +209,7 @@ private:
     const SoftLight samples_;
     const OcclusionRule rule_;
     std::vector<SoftPart> parts_;
-    std::vector<std::uint8_t> part_of_pixel_;
+    std::vector<PixelStance> stances_;
     std::size_t receiver_count_ = 0;
     std::mutex counts_mutex_;
     SoftCounts counts_;

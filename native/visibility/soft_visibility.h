@@ -19,9 +19,10 @@ struct SoftSettings {
 };
 
 /// Exact visibility of a light's own shape, 0 to 1 per pixel of the frame: the mean over its samples
-/// (lights/light_shape.h) of what each of them lights, by the rule of occlusion_rule.h to the bit, weighted by the light
-/// that the sample brings to the receiver. 0 where the receiver is turned away from all samples; 1 in the background,
-/// outside the cone, and for receivers that the light is not linked to. A light without size has one sample.
+/// (lights/light_shape.h) of what each of them lights, by the rule of occlusion_rule.h to the bit, weighted by the
+/// light that the sample brings to the receiver. 0 where the receiver is turned away from all samples; 1 in the
+/// background, outside the cone, and for receivers that the light is not linked to. A light without size has one
+/// sample.
 ///
 /// Counts "receivers", "light_samples", "tree_bytes", "node_tests", "leaf_tests", "open_pairs" (settled in double),
 /// "lit_blocks". Times "caster_trees" and "soft_visibility".

@@ -176,15 +176,13 @@ TEST_F(SoftExactness, RotatedPixelsEachTakeAShiftOfThePattern) {
         SceneView view = make_soup_scene(41, 96, 56);
         const Light light = make_soft_light(kind, 0.5);
         view.scene->lights = {light};
-        const TechniqueRun run =
-            runner_.render(view, "soft", parameters({{"light_samples", std::int64_t{kSamples}},
-                                                     {"pattern", std::string("rotated")}}));
+        const TechniqueRun run = runner_.render(
+            view, "soft", parameters({{"light_samples", std::int64_t{kSamples}}, {"pattern", std::string("rotated")}}));
         const truth::RayOracle oracle(view.scene);
         std::array<std::array<int, kShifts>, 16> wrong{};
         for (int shift = 0; shift < kShifts; ++shift) {
-            const auto samples =
-                sample_light_shape(light, kSamples, LightPattern::Spiral,
-                                   find_pattern_shift(LightPattern::Spiral, kSamples, shift, kShifts));
+            const auto samples = sample_light_shape(light, kSamples, LightPattern::Spiral,
+                                                    find_pattern_shift(LightPattern::Spiral, kSamples, shift, kShifts));
             const truth::SampleShadows shadows(oracle, *run.frame, light, samples);
             for (std::size_t pixel = 0; pixel < run.frame->pixel_count(); ++pixel) {
                 const std::size_t x = pixel % std::size_t(run.frame->width), y = pixel / std::size_t(run.frame->width);
@@ -223,8 +221,8 @@ TEST_F(SoftExactness, ManySamplesAreTheMeanOfHardLayers) {
                                make_needle_scene(8, 160, 90), box_scene(160, 90)}) {
             view.scene->lights = {make_soft_light(kind, 0.2)};
             const auto soft = render(view, "soft", parameters({{"light_samples", std::int64_t{32}}}));
-            const auto mean = render(view, "multi", parameters({{"positions", std::int64_t{32}},
-                                                                {"technique", std::string("exact")}}));
+            const auto mean = render(
+                view, "multi", parameters({{"positions", std::int64_t{32}}, {"technique", std::string("exact")}}));
             double largest = 0;
             for (std::size_t pixel = 0; pixel < soft.size(); ++pixel)
                 largest = std::max(largest, std::abs(double(soft[pixel]) - double(mean[pixel])));

@@ -55,8 +55,7 @@ class Soft : public ::testing::Test {
 protected:
     SoftComparison compare(SceneView view, const Light& light, int count = 64) {
         view.scene->lights = {light};
-        const TechniqueRun run =
-            runner_.render(view, "soft", parameters({{"light_samples", std::int64_t{count}}}));
+        const TechniqueRun run = runner_.render(view, "soft", parameters({{"light_samples", std::int64_t{count}}}));
         const std::vector<double> truth = find_truth(*run.frame, light, count, runner_.engine().threads());
         SoftComparison found;
         for (std::size_t pixel = 0; pixel < truth.size(); ++pixel) {
@@ -74,9 +73,10 @@ TEST_F(Soft, EqualsRaysOnSoups) {
     for (unsigned seed = 1; seed <= 4; ++seed)
         for (const LightKind kind : kAllLightKinds)
             for (const double size : {0.05, 0.8, 4.0}) {
-                const SoftComparison found = compare(make_soup_scene(seed), make_sized_light(kind, size, {1.5, 1.0, 5.0}));
-                EXPECT_EQ(found.different, 0) << "seed " << seed << ", kind " << int(kind) << ", size " << size
-                                              << ", largest " << found.largest;
+                const SoftComparison found =
+                    compare(make_soup_scene(seed), make_sized_light(kind, size, {1.5, 1.0, 5.0}));
+                EXPECT_EQ(found.different, 0)
+                    << "seed " << seed << ", kind " << int(kind) << ", size " << size << ", largest " << found.largest;
                 EXPECT_GT(found.penumbra, 200);
             }
 }

@@ -39,7 +39,8 @@ inline void compare_with_sample_rays(TechniqueRunner& runner, const SceneView& v
     for (const auto& samples : lists) shadows.emplace_back(oracle, frame, light, samples);
     std::vector<truth::LitPart> parts(frame.pixel_count());
     runner.engine().threads().parallel_for(parts.size(), 256, [&](std::size_t begin, std::size_t end) {
-        for (std::size_t pixel = begin; pixel < end; ++pixel) parts[pixel] = shadows[choose(pixel)].find_lit_part(pixel);
+        for (std::size_t pixel = begin; pixel < end; ++pixel)
+            parts[pixel] = shadows[choose(pixel)].find_lit_part(pixel);
     });
     for (std::size_t pixel = 0; pixel < parts.size(); ++pixel) {
         const truth::LitPart& part = parts[pixel];
@@ -55,8 +56,9 @@ inline SoftComparison compare_soft(TechniqueRunner& runner, SceneView view, cons
     view.scene->lights = {light};
     SoftComparison found;
     found.run = runner.render(view, "soft", parameters({{"light_samples", std::int64_t{samples}}}));
-    compare_with_sample_rays(runner, view, {sample_light_shape(light, samples, LightPattern::Spiral)},
-                             [](std::size_t) { return std::size_t{0}; }, found);
+    compare_with_sample_rays(
+        runner, view, {sample_light_shape(light, samples, LightPattern::Spiral)},
+        [](std::size_t) { return std::size_t{0}; }, found);
     return found;
 }
 
