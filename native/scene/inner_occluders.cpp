@@ -55,7 +55,7 @@ public:
     Grid(const Mesh& mesh, const std::vector<std::uint32_t>& usable) : mesh_(mesh), usable_(usable) {
         const glm::dvec3 extent = mesh.bounds.max - mesh.bounds.min;
         const double longest = std::max({extent.x, extent.y, extent.z});
-        const int along = std::clamp(int(1.5 * std::cbrt(double(usable.size()))), kLeastCells, kMostCells);
+        const int along = std::clamp(int(2.5 * std::cbrt(double(usable.size()))), kLeastCells, kMostCells);
         size_ = longest / along;
         for (int k = 0; k < 3; ++k) count_[k] = std::min(int(extent[k] / size_) + 1, along) + 2;
         low_ = mesh.bounds.min - size_;
@@ -96,7 +96,8 @@ public:
 
 private:
     std::size_t index(const glm::ivec3& c) const {
-        return (std::size_t(c.z) * std::size_t(count_[1]) + std::size_t(c.y)) * std::size_t(count_[0]) + std::size_t(c.x);
+        return (std::size_t(c.z) * std::size_t(count_[1]) + std::size_t(c.y)) * std::size_t(count_[0]) +
+               std::size_t(c.x);
     }
     std::uint8_t& at(const glm::ivec3& c) { return cells_[index(c)]; }
     glm::ivec3 cell_of(std::size_t i) const {

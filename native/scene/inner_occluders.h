@@ -17,13 +17,14 @@ struct InnerOccluders {
     std::shared_ptr<const Mesh> mesh;  ///< object space; null: none, as of a mesh that is open, thin or coarse
     std::shared_ptr<const BoxTree> tree;
     std::size_t byte_size() const {
-        return sizeof *this + (mesh ? mesh->positions.size_bytes() + mesh->triangles.size_bytes() + tree->byte_size() : 0);
+        return sizeof *this +
+               (mesh ? mesh->positions.size_bytes() + mesh->triangles.size_bytes() + tree->byte_size() : 0);
     }
 };
 
-/// "Closed" is decided by edges, welded by position: each must belong to an even number of triangles. Then every point has
-/// a parity, odd inside. The inside is found on a grid of cells that no triangle touches, and filled with boxes; a box is
-/// stood for by its three middle rectangles.
+/// "Closed" is decided by edges, welded by position: each must belong to an even number of triangles. Then every point
+/// has a parity, odd inside. The inside is found on a grid of cells that no triangle touches, and filled with boxes; a
+/// box is stood for by its three middle rectangles.
 std::shared_ptr<const InnerOccluders> make_inner_occluders(const Mesh& mesh, ThreadPool* threads = nullptr);
 
 }  // namespace shadow_layers

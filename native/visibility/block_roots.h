@@ -21,8 +21,8 @@ public:
     struct Block {
         const SoftPart& part;
         soft_kernel::Shaft shaft;
-        Bounds places;                  ///< of the receivers, in the part's frame
-        std::span<const PixelIds> own;  ///< the triangles that they lie on, if they are few
+        Bounds places;                          ///< of the receivers, in the part's frame
+        std::span<const PixelIds> own;          ///< the triangles that they lie on, if they are few
         const soft_kernel::Receiver& receiver;  ///< any of them
     };
     void find(const Block& block, const CasterTree& tree, const OcclusionRule& rule);

@@ -244,6 +244,10 @@ CasterTree::CasterTree(const Scene& scene, const glm::dvec3& picture_origin_ws, 
 
 CasterTree::~CasterTree() = default;
 
+std::size_t CasterTree::bytes_needed(const BoxTree& tree) {
+    return tree.nodes.size() * sizeof(Node) + tree.leaf_count() * sizeof(Leaf);
+}
+
 std::size_t CasterTree::byte_size() const { return node_count_ * sizeof(Node) + leaf_count_ * sizeof(Leaf); }
 
 std::vector<std::uint32_t> find_shaft_casters(const Scene& scene, const Light& light,

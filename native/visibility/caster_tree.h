@@ -40,6 +40,8 @@ public:
     const soft_kernel::Node& root() const { return *root_; }
     soft_kernel::Tree view() const { return {nodes_.get(), leaves_.get()}; }
     std::size_t byte_size() const;
+    /// Of one instance with this tree.
+    static std::size_t bytes_needed(const BoxTree& tree);
 
 private:
     class Maker;
@@ -52,8 +54,7 @@ private:
     const soft_kernel::Node* root_ = nullptr;
 };
 
-/// Puts boxes given in object space into the kernel's form, in the frame: for tests of a shaft. `widening` as a part of
-/// coordinates and in scene units.
+/// By how much boxes are made larger: as a part of their coordinates, and in scene units.
 struct BoxWidening {
     double relative = 0, absolute = 0;
 };

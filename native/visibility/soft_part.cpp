@@ -26,8 +26,7 @@ void SoftPart::set_sample_box() {
         sample_high = glm::max(sample_high, list.high());
         needs_all = needs_all || list.needs_all();
     }
-    for (int k = 0; k < 3; ++k)
-        box_set.low[k] = float(sample_low[k]), box_set.high[k] = float(sample_high[k]);
+    for (int k = 0; k < 3; ++k) box_set.low[k] = float(sample_low[k]), box_set.high[k] = float(sample_high[k]);
 }
 
 Shaft make_shaft(const SoftPart& part, const Bounds& receivers) {

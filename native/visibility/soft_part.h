@@ -14,11 +14,11 @@ namespace shadow_layers {
 /// The receivers that a light shines on in one of its frames, and their casters.
 struct SoftPart {
     LightFrame frame;
-    Bounds receivers;              ///< in the frame
-    double largest_rel = 0;        ///< coordinate of any receiver, relative to the picture's origin
-    double largest_place = 0;      ///< in the frame
-    double place_error = 0;        ///< of any receiver's place, on each axis
-    std::vector<SampleSets> sets;  ///< one for each list of samples
+    Bounds receivers;                              ///< in the frame
+    double largest_rel = 0;                        ///< coordinate of any receiver, relative to the picture's origin
+    double largest_place = 0;                      ///< in the frame
+    double place_error = 0;                        ///< of any receiver's place, on each axis
+    std::vector<SampleSets> sets;                  ///< one for each list of samples
     glm::dvec3 sample_low{0.0}, sample_high{0.0};  ///< box of all samples of all lists, about the light's centre
     soft_kernel::SampleSet box_set{};              ///< that box alone
     bool needs_all = false;                        ///< as of SampleSets

@@ -11,6 +11,7 @@
 #include "lights/sample_pattern.h"
 #include "scene/bounds.h"
 #include "scene/inner_occluders.h"
+#include "shadow_layers/error.h"
 #include "visibility/caster_tree.h"
 #include "visibility/sample_sets.h"
 #include "visibility/soft_block.h"
@@ -39,6 +40,7 @@ struct PartBounds {
 
 constexpr int kShifts = 16;
 constexpr std::size_t kRowBlock = 8;
+constexpr std::size_t kMostTreeBytes = std::size_t{8} << 30;
 // Rounding of a float position on each axis, turned into other axes.
 constexpr double kPlaceRounding = 1.8 / 16777216;
 
@@ -158,12 +160,22 @@ private:
             const auto occluders = get_inner_occluders(engine_, *mesh);
             if (occluders->mesh) inner.push_back({i, occluders->mesh, occluders->tree, soft_kernel::kNoChild});
         }
+        check_memory(casters);
         const auto make_tree = [&](const std::vector<TreeCaster>& from) {
             return std::make_unique<CasterTree>(scene, frame_.origin_ws, part.frame, shaft, from, part.largest_place,
                                                 part.place_error, engine_.threads());
         };
         part.tree = make_tree(casters);
         part.inner_tree = make_tree(inner);
+    }
+
+    void check_memory(const std::vector<TreeCaster>& casters) const {
+        std::size_t bytes = 0;
+        for (const TreeCaster& caster : casters) bytes += CasterTree::bytes_needed(*caster.tree);
+        if (bytes <= kMostTreeBytes) return;
+        throw InputError("technique \"soft\", light \"" + light_.name + "\": its casters' trees would take " +
+                         std::to_string(bytes >> 20) + " MiB, more than the " + std::to_string(kMostTreeBytes >> 20) +
+                         " MiB allowed; let fewer instances cast shadows, or use another technique");
     }
 
     /// Is the light, or a part of it, in the box round the instance? Then its inner occluders prove nothing.
