@@ -2,10 +2,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Exact soft shadows of the light's own shape: the same bits as rays from every receiver to the same samples of the
 // light, for one traversal of a tree of the casters for each receiver and all its samples.
-// Based on: E. Sintorn, E. Eisemann, U. Assarsson, Sample based visibility for soft shadows using alias-free shadow maps,
-// EGSR 2008 (bit masks of light samples). Differences: pulled by receivers through a tree of boxes, which the masks of
-// samples cull, instead of pushed by triangles; on the CPU; no bias (visibility/occlusion_rule.h); exact at ties.
-// Fails: nothing known, but for time: fine casters everywhere before a light as large as the scene.
+// Based on: E. Sintorn, E. Eisemann, U. Assarsson, Sample based visibility for soft shadows using alias-free shadow
+// maps, EGSR 2008 (bit masks of light samples). Differences: pulled by receivers through a tree of boxes, which the
+// masks of samples cull, instead of pushed by triangles; on the CPU; no bias (visibility/occlusion_rule.h); exact at
+// ties. Fails: nothing known, but for time: fine casters everywhere before a light as large as the scene.
 #include "techniques/soft/soft.h"
 
 #include "techniques/common_parameters.h"
@@ -53,6 +53,7 @@ TechniqueDescriptor describe_soft() {
         TechniqueNeeds needs;
         needs.light_samples = int(values.get_int("light_samples"));
         needs.light_pattern = LightPattern::Spiral;
+        needs.samples_itself = true;
         return needs;
     };
     d.truth = [](const ParameterValues&) { return TruthSpec{TruthKind::Soft}; };
