@@ -5,8 +5,8 @@
 #include "frame/pixel_filter.h"
 #include "session/caster_check.h"
 #include "session/frame_pictures.h"
+#include "session/frame_set.h"
 #include "session/layer_sum.h"
-#include "session/light_cache.h"
 #include "session/light_render.h"
 #include "session/map_views.h"
 #include "session/request_check.h"
@@ -28,10 +28,7 @@ public:
           outlet_(outlet),
           resolved_(resolve_request(request, engine.limits(), techniques.descriptors())),
           offsets_(make_sample_offsets(request.filter, request.samples)),
-          maker_(
-              engine, pool,
-              {request.scene, request.camera, request.width, request.height, resolved_.region, resolved_.overscan_px}),
-          lights_(engine, request.samples > 1),
+          frames_(engine, pool, request, resolved_.region),
           pictures_(engine.threads(), request, resolved_.region),
           records_(resolved_.jobs.size()),
           views_(resolved_.jobs.size()),
@@ -45,8 +42,9 @@ private:
     };
     std::vector<Batch> cut_batches() const;
     void run_sample(const Batch& batch, std::size_t sample);
-    void run_job(std::size_t job, std::size_t sample, SampleFrames& frames, LayerSum& sum);
-    void fill_layer(std::size_t job, SampleFrames& frames, LayerSum& sum, std::size_t sample);
+    void run_job(std::size_t job, std::size_t sample, LayerSum& sum);
+    void fill_layer(std::size_t job, FrameSet::Part& part, LayerSum& sum, std::size_t sample);
+    FrameSet::Part& get_frames(int overscan_px);
     void deliver(std::size_t job, LayerSum& sum);
     bool is_last_use(std::size_t job, std::size_t sample) const;
     bool is_first_of_light(std::size_t job) const;
@@ -58,8 +56,7 @@ private:
     const RenderOutlet& outlet_;
     ResolvedRequest resolved_;
     std::vector<glm::dvec2> offsets_;
-    FrameMaker maker_;
-    LightCache lights_;
+    FrameSet frames_;
     LightRender light_render_;
     FramePictures pictures_;
     StageRecord frame_record_;
@@ -74,7 +71,7 @@ FrameResult RenderRun::run() {
     techniques_.begin_render();
     for (const Batch& batch : cut_batches()) {
         for (std::size_t sample = 0; sample < offsets_.size(); ++sample) run_sample(batch, sample);
-        lights_.clear();
+        frames_.clear_lights();
     }
     FrameResult result;
     result.camera_position = glm::dvec3(request_.camera.world_from_camera[3]);
@@ -109,15 +106,15 @@ void RenderRun::run_sample(const Batch& batch, std::size_t sample) {
     engine_.set_record(&frame_record_);
     const WallClock clock;
     if (batch.begin == 0) tell_progress("frame");
-    SampleFrames frames(maker_, offsets_[sample]);
-    if (batch.begin == 0) pictures_.add_frame(frames.centre(), sample);
+    frames_.begin_sample(offsets_[sample]);
+    const Frame& frame = frames_.get(resolved_.overscan_px).frames->centre();
+    if (batch.begin == 0) pictures_.add_frame(frame, sample);
     frame_record_.add_total_ms(clock.elapsed_ms());
-    lights_.begin_sample(frames.centre());
     for (std::size_t job = batch.begin; job < batch.end; ++job) {
         auto& sum = sums_[job];
         if (!sum)
             sum = std::make_unique<LayerSum>(engine_.threads(), *resolved_.jobs[job].descriptor, request_.samples);
-        run_job(job, sample, frames, *sum);
+        run_job(job, sample, *sum);
         if (sample + 1 == offsets_.size()) {
             deliver(job, *sum);
             sum.reset();
@@ -126,30 +123,40 @@ void RenderRun::run_sample(const Batch& batch, std::size_t sample) {
     engine_.set_record(nullptr);
 }
 
-void RenderRun::run_job(std::size_t job, std::size_t sample, SampleFrames& frames, LayerSum& sum) {
+/// What frames take is told of the frame, not of the layer that happens to be the first to want them.
+FrameSet::Part& RenderRun::get_frames(int overscan_px) {
+    const WallClock clock;
+    FrameSet::Part& part = frames_.get(overscan_px);
+    frame_record_.add_total_ms(clock.elapsed_ms());
+    return part;
+}
+
+void RenderRun::run_job(std::size_t job, std::size_t sample, LayerSum& sum) {
     const ResolvedJob& resolved = resolved_.jobs[job];
     const Light& light = request_.scene->lights[resolved.light];
     tell_progress("light \"" + light.name + "\", " + resolved.descriptor->label);
+    FrameSet::Part& part = get_frames(resolved.needs.overscan_px);
     engine_.set_record(&records_[job]);
     const WallClock clock;
-    fill_layer(job, frames, sum, sample);
+    fill_layer(job, part, sum, sample);
     records_[job].add_total_ms(clock.elapsed_ms());
     engine_.set_record(&frame_record_);
     if (!pictures_.has_clay() || !is_first_of_light(job)) return;
     const WallClock clay_clock;
     {
         const auto timer = engine_.time_stage("clay");
-        pictures_.add_light(frames.centre(), light, sum.visibility());
+        pictures_.add_light(frames_.get(resolved_.overscan_px).frames->centre(), light, sum.visibility());
     }
     frame_record_.add_total_ms(clay_clock.elapsed_ms());
 }
 
-void RenderRun::fill_layer(std::size_t job, SampleFrames& frames, LayerSum& sum, std::size_t sample) {
+void RenderRun::fill_layer(std::size_t job, FrameSet::Part& part, LayerSum& sum, std::size_t sample) {
     const ResolvedJob& resolved = resolved_.jobs[job];
     const Light& light = request_.scene->lights[resolved.light];
     Technique& technique = techniques_.get(resolved.descriptor->id);
     technique.prepare(engine_, resolved.parameters);
-    LightSamples samples = lights_.get(resolved.light, resolved.needs);
+    SampleFrames& frames = *part.frames;
+    LightSamples samples = part.lights.get(resolved.light, resolved.needs);
     if (sample == 0) {
         warn_of_open_casters(engine_, *resolved.descriptor, *request_.scene, light);
         samples.get = [this, job, get = std::move(samples.get)](int index) {
@@ -163,7 +170,7 @@ void RenderRun::fill_layer(std::size_t job, SampleFrames& frames, LayerSum& sum,
         engine_, technique,
         {frames.centre(), frames, light, *resolved.descriptor, resolved.parameters, resolved.needs, int(sample)},
         samples, sum);
-    if (is_last_use(job, sample)) lights_.forget(resolved.light);
+    if (is_last_use(job, sample)) frames_.forget(resolved.light);
     engine_.check_gl(resolved.descriptor->id.c_str());
     const auto timer = engine_.time_stage("layer_sum");
     sum.end_sample();
