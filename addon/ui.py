@@ -53,7 +53,7 @@ def _draw_parameters(layout: Any, owner: Any, info: dict[str, Any]) -> None:
 
 
 def _draw_shared(layout: Any, owner: Any, used_by: list[dict[str, Any]]) -> None:
-    used = {parameter["id"] for info in used_by for parameter in info["parameters"]}
+    used = {parameter["id"] for info in used_by for parameter in info["parameters"] if parameter["shared"]}
     for parameter in properties.shared_parameters():
         if parameter["id"] in used:
             unit = f" ({parameter['unit']})" if parameter["unit"] else ""

@@ -3,35 +3,36 @@
 #include "lights/facing.h"
 
 #include "base/thread_pool.h"
+#include "light_weight.h"
 
 namespace shadow_layers {
 
-FacingRule::FacingRule(const Frame& frame, const Light& light, const LightSample& position)
-    : frame_(frame), light_(light) {
-    const glm::dvec3 place = position.position_ws - frame.origin_ws;
-    source_.directional = position.directional;
-    source_.cone_cos = position.cone_cos;
-    source_.cone_sin = position.cone_sin;
+FacingRule::FacingRule(const Frame& frame, const Light& light, const LightSample& sample)
+    : frame_(frame), light_(light), centre_rel_(glm::dvec3(light.world_from_light[3]) - frame.origin_ws) {
+    const glm::dvec3 place = sample.position_ws - frame.origin_ws;
+    source_.directional = sample.directional;
+    source_.cone_cos = sample.cone_cos;
+    source_.cone_sin = sample.cone_sin;
     for (int i = 0; i < 3; ++i) {
-        source_.to_light[i] = position.to_light_ws[i];
+        source_.to_light[i] = sample.to_light_ws[i];
         source_.place[i] = place[i];
-        for (int axis = 0; axis < 3; ++axis) source_.axes[axis][i] = position.axes_ws[axis][i];
+        for (int axis = 0; axis < 3; ++axis) source_.axes[axis][i] = sample.axes_ws[axis][i];
     }
 }
 
 double FacingRule::get_weight(std::size_t pixel) const {
     const glm::dvec3 to_light = get_to_light(pixel);
-    const double apart = glm::length(to_light);
-    const double cosine = glm::dot(glm::dvec3(frame_.normals[pixel]), to_light) / apart;
-    if (light_.kind != LightKind::Area) return cosine;
+    const double up = glm::dot(glm::dvec3(frame_.normals[pixel]), to_light);
     const glm::dvec3 axis(source_.axes[2][0], source_.axes[2][1], source_.axes[2][2]);
-    return cosine * glm::dot(axis, to_light) / (apart * apart * apart);
+    const double centre_apart = glm::distance(centre_rel_, glm::dvec3(frame_.positions_rel[pixel]));
+    return find_light_weight(up, glm::length(to_light), light_.kind == LightKind::Area, glm::dot(axis, to_light),
+                             centre_apart);
 }
 
-void fill_unoccluded_visibility(const Frame& frame, const Light& light, std::span<const LightSample> positions,
+void fill_unoccluded_visibility(const Frame& frame, const Light& light, std::span<const LightSample> samples,
                                 std::span<float> visibility, ThreadPool* threads) {
     std::vector<FacingRule> rules;
-    for (const LightSample& position : positions) rules.emplace_back(frame, light, position);
+    for (const LightSample& sample : samples) rules.emplace_back(frame, light, sample);
     const auto fill = [&](std::size_t begin, std::size_t end) {
         for (std::size_t pixel = begin; pixel < end; ++pixel) {
             float sum = 0;

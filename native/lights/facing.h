@@ -24,12 +24,12 @@ enum class Facing : std::uint8_t {
 /// Visibility where nothing occludes: 0 on faces turned away, else 1.
 inline float get_unoccluded_visibility(Facing facing) { return facing == Facing::TurnedAway ? 0.0f : 1.0f; }
 
-/// The rule for one frame and one light position, in double. THE place that defines it, with facing_formulas.h:
+/// The rule for one frame and one light sample, in double. THE place that defines it, with facing_formulas.h:
 /// shaders/lib mirrors it.
 class FacingRule {
 public:
     /// Both arguments must outlive the rule.
-    FacingRule(const Frame& frame, const Light& light, const LightSample& position);
+    FacingRule(const Frame& frame, const Light& light, const LightSample& sample);
 
     Facing classify(std::size_t pixel) const {
         if (!is_receiver(pixel)) return Facing::Background;
@@ -63,8 +63,8 @@ public:
         return light_.receiver_set == kAllGroups ||
                ((light_.receiver_set >> frame_.scene->instances[instance].receiver_group) & 1u);
     }
-    /// What this position of the light brings to a pixel that it lights, against the light's other positions: by the
-    /// cosine at the receiver; of an area light also by that at the light and by the distance.
+    /// What this sample of the light brings to a pixel that it lights, against the light's other samples; see
+    /// find_light_weight.
     double get_weight(std::size_t pixel) const;
     const facing::Source& source() const { return source_; }
 
@@ -74,11 +74,12 @@ private:
     const Frame& frame_;
     const Light& light_;
     facing::Source source_;
+    glm::dvec3 centre_rel_;  ///< of the light
 };
 
-/// The layer of a light that casts no shadows: get_unoccluded_visibility of every pixel. Of many positions those that
+/// The layer of a light that casts no shadows: get_unoccluded_visibility of every pixel. Of many samples those that
 /// light the pixel decide: what a part of the light shines on is in no shadow, though it is turned from the rest.
-void fill_unoccluded_visibility(const Frame& frame, const Light& light, std::span<const LightSample> positions,
+void fill_unoccluded_visibility(const Frame& frame, const Light& light, std::span<const LightSample> samples,
                                 std::span<float> visibility, ThreadPool* threads = nullptr);
 
 }  // namespace shadow_layers

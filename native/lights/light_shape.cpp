@@ -32,6 +32,19 @@ LightSample make_centre(const Light& light) {
     return centre;
 }
 
+bool has_size(const Light& light) {
+    switch (light.kind) {
+        case LightKind::Sun:
+            return light.sun_angle > 0;
+        case LightKind::Area:
+            return light.area_size.x > 0 || light.area_size.y > 0;
+        case LightKind::Spot:
+        case LightKind::Point:
+            break;
+    }
+    return light.radius > 0;
+}
+
 /// Even in solid angle about `axis`: the cosine is even between that of half the sun's angle and 1.
 glm::dvec3 turn_to_sample(const glm::dmat3& axes, double sun_angle, const glm::dvec2& disc) {
     const double half_angle = 0.5 * std::clamp(sun_angle, 0.0, std::numbers::pi), sine = std::sin(0.5 * half_angle);
@@ -41,23 +54,23 @@ glm::dvec3 turn_to_sample(const glm::dmat3& axes, double sun_angle, const glm::d
     return glm::normalize((1 - fall) * axes[2] + across.x * axes[0] + across.y * axes[1]);
 }
 
-void move_to_sample(const Light& light, const SamplePattern& pattern, int i, LightSample& position) {
+void move_to_sample(const Light& light, const SamplePattern& pattern, int i, LightSample& sample) {
     const glm::dmat3 axes = compute_light_axes(light.world_from_light);
     switch (light.kind) {
         case LightKind::Sun: {
-            position.to_light_ws = turn_to_sample(axes, light.sun_angle, pattern.get_in_disc(i));
+            sample.to_light_ws = turn_to_sample(axes, light.sun_angle, pattern.get_in_disc(i));
             glm::dmat4 turned(axes);
-            turned[2] = glm::dvec4(position.to_light_ws, 0);
-            position.axes_ws = compute_light_axes(turned);
+            turned[2] = glm::dvec4(sample.to_light_ws, 0);
+            sample.axes_ws = compute_light_axes(turned);
             break;
         }
         case LightKind::Spot:
         case LightKind::Point:
-            position.position_ws += light.radius * (axes * pattern.get_in_ball(i));
+            sample.position_ws += light.radius * (axes * pattern.get_in_ball(i));
             break;
         case LightKind::Area: {
             const glm::dvec2 place = light.area_round ? 0.5 * pattern.get_in_disc(i) : pattern.get_in_square(i) - 0.5;
-            position.position_ws += place.x * light.area_size.x * axes[0] + place.y * light.area_size.y * axes[1];
+            sample.position_ws += place.x * light.area_size.x * axes[0] + place.y * light.area_size.y * axes[1];
             break;
         }
     }
@@ -72,13 +85,13 @@ glm::dmat3 compute_light_axes(const glm::dmat4& matrix) {
     return {x, glm::cross(z, x), z};
 }
 
-std::vector<LightSample> sample_light_shape(const Light& light, int position_count, LightPattern pattern,
+std::vector<LightSample> sample_light_shape(const Light& light, int count, LightPattern pattern,
                                             const glm::dvec3& shift) {
-    std::vector<LightSample> positions(std::size_t(std::max(1, position_count)), make_centre(light));
-    const SamplePattern points(pattern, position_count, shift);
-    if (positions.size() > 1)
-        for (std::size_t i = 0; i < positions.size(); ++i) move_to_sample(light, points, int(i), positions[i]);
-    return positions;
+    std::vector<LightSample> samples(has_size(light) ? std::size_t(std::max(1, count)) : 1, make_centre(light));
+    if (samples.size() == 1) return samples;
+    const SamplePattern points(pattern, count, shift);
+    for (std::size_t i = 0; i < samples.size(); ++i) move_to_sample(light, points, int(i), samples[i]);
+    return samples;
 }
 
 }  // namespace shadow_layers

@@ -9,8 +9,8 @@
 
 namespace shadow_layers {
 
-/// The points (sun: directions) that stand for a light, without views; the same ones each time. One: its centre. More:
-/// equal shares of the light as Cycles emits it.
+/// The samples (points; of a sun: directions) that stand for a light, without views; the same ones each time. One: its
+/// centre. More: equal shares of the light as Cycles emits it. A light without size has one, whatever the count.
 ///
 /// - Area: even over the rectangle or ellipse.
 /// - Sun: even in solid angle over the cone of its angle.
@@ -20,7 +20,7 @@ namespace shadow_layers {
 ///   towards the rim, that of an even ball towards the middle.
 ///
 /// `shift` (SamplePattern) makes other points of the same shape.
-std::vector<LightSample> sample_light_shape(const Light& light, int position_count,
+std::vector<LightSample> sample_light_shape(const Light& light, int count,
                                             LightPattern pattern = LightPattern::Sequence,
                                             const glm::dvec3& shift = glm::dvec3(0.0));
 

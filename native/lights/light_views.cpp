@@ -6,7 +6,6 @@
 #include <cmath>
 #include <numbers>
 
-#include "base/cancel_token.h"
 #include "base/hash.h"
 #include "base/thread_pool.h"
 #include "lights/light_shape.h"
@@ -114,25 +113,25 @@ public:
     ViewMaker(const Frame& frame, const Light& light, const ViewSettings& settings, ThreadPool* threads)
         : frame_(frame), scene_(*frame.scene), light_(light), settings_(settings), threads_(threads) {}
 
-    void add_views(LightSample& position, const LightSample* previous) const {
+    void add_views(LightSample& sample, const LightSample* previous) const {
         if (light_.kind == LightKind::Sun || (light_.kind == LightKind::Spot && light_.spot_angle <= kWidestCone)) {
             const LightView* kept = previous && !previous->views.empty() ? &previous->views.front() : nullptr;
-            const ViewSeed seed = make_single_seed(position, kept);
-            if (!seed.receivers.is_empty()) position.views.push_back(make_view(seed, kept));
+            const ViewSeed seed = make_single_seed(sample, kept);
+            if (!seed.receivers.is_empty()) sample.views.push_back(make_view(seed, kept));
             return;
         }
-        position.cube = true;
-        const ReceiverScan scan(frame_, light_, position, position.position_ws, threads_);
-        const auto receivers = scan.measure_faces(position.axes_ws);
+        sample.cube = true;
+        const ReceiverScan scan(frame_, light_, sample, sample.position_ws, threads_);
+        const auto receivers = scan.measure_faces(sample.axes_ws);
         for (int face = 0; face < 6; ++face) {
             if (receivers[face].is_empty()) continue;
             const LightView* kept = nullptr;
             if (previous)
                 for (const LightView& view : previous->views)
                     if (view.face == face) kept = &view;
-            const ViewAxes axes = compute_face_axes(position.axes_ws, face);
-            position.views.push_back(make_view(
-                {true, std::uint8_t(face), axes, position.position_ws, {-1, 1}, {-1, 1}, receivers[face]}, kept));
+            const ViewAxes axes = compute_face_axes(sample.axes_ws, face);
+            sample.views.push_back(make_view(
+                {true, std::uint8_t(face), axes, sample.position_ws, {-1, 1}, {-1, 1}, receivers[face]}, kept));
         }
     }
 
@@ -187,14 +186,14 @@ private:
     }
 
     /// Sun or narrow spot: one view, turned about its axis where that is worth it. An earlier view's turn is kept.
-    ViewSeed make_single_seed(const LightSample& position, const LightView* kept) const {
+    ViewSeed make_single_seed(const LightSample& sample, const LightView* kept) const {
         ViewSeed seed;
-        seed.perspective = !position.directional;
-        seed.axes = position.axes_ws;
+        seed.perspective = !sample.directional;
+        seed.axes = sample.axes_ws;
         const Bounds bounds = compute_scene_bounds(scene_);
         if (bounds.is_empty()) return seed;
-        seed.origin_ws = position.directional ? 0.5 * (bounds.min + bounds.max) : position.position_ws;
-        const ReceiverScan scan(frame_, light_, position, seed.origin_ws, threads_);
+        seed.origin_ws = sample.directional ? 0.5 * (bounds.min + bounds.max) : sample.position_ws;
+        const ReceiverScan scan(frame_, light_, sample, seed.origin_ws, threads_);
         if (kept)
             seed.axes = glm::transpose(glm::dmat3(kept->ls_from_ws));
         else
@@ -270,23 +269,23 @@ private:
 
 }  // namespace
 
+LightSample fit_light_views(const Frame& frame, const Light& light, LightSample point, const ViewSettings& settings,
+                            const LightSample* previous, ThreadPool* threads) {
+    point.views.clear();
+    if (settings.map_size <= 0) return point;
+    const bool known = previous && point.is_same_place(*previous);
+    ViewMaker(frame, light, settings, threads).add_views(point, known ? previous : nullptr);
+    return point;
+}
+
 std::vector<LightSample> make_light_samples(const Frame& frame, const Light& light, const ViewSettings& settings,
-                                            const std::vector<LightSample>* previous, ThreadPool* threads,
-                                            const CancelToken* cancel) {
-    std::vector<LightSample> positions = sample_light_shape(light, settings.position_count, settings.pattern);
-    if (settings.map_size <= 0) return positions;
-    const ViewMaker maker(frame, light, settings, threads);
-    for (std::size_t i = 0; i < positions.size(); ++i) {
-        if (cancel) cancel->check();
-        // A light without size has one view, however many positions are asked of it.
-        if (i > 0 && positions[i].is_same_place(positions[i - 1])) {
-            positions[i] = positions[i - 1];
-            continue;
-        }
-        const bool known = previous && i < previous->size() && positions[i].is_same_place((*previous)[i]);
-        maker.add_views(positions[i], known ? &(*previous)[i] : nullptr);
+                                            const std::vector<LightSample>* previous, ThreadPool* threads) {
+    std::vector<LightSample> samples = sample_light_shape(light, settings.sample_count, settings.pattern);
+    for (std::size_t i = 0; i < samples.size(); ++i) {
+        const LightSample* kept = previous && i < previous->size() ? &(*previous)[i] : nullptr;
+        samples[i] = fit_light_views(frame, light, std::move(samples[i]), settings, kept, threads);
     }
-    return positions;
+    return samples;
 }
 
 }  // namespace shadow_layers

@@ -11,10 +11,9 @@
 
 namespace shadow_layers {
 
-class CancelToken;
 class ThreadPool;
 
-/// One map's worth of a light position: a cube face, a spot's cone, a sun's rectangle (later: a cascade).
+/// One map's worth of a light sample: a cube face, a spot's cone, a sun's rectangle (later: a cascade).
 ///
 /// Light clip space "_lc": x and y in [-w, w] over the map *including* its border; depth reversed, z / w = 1 on the
 /// near plane and 0 on the far plane (GL_ZERO_TO_ONE). So window depth "depth_rz" is larger nearer to the light, planar
@@ -28,7 +27,7 @@ struct LightView {
     glm::dmat4 ls_from_ws{1.0};          ///< rigid: world to the view's light space (looks along -Z)
     glm::dmat4 lc_from_ls{1.0};          ///< projection as above
     glm::dmat4 lc_from_ws{1.0};          ///< product, for geometry in double
-    std::uint8_t face = 0;               ///< cube face 0..5 (+X -X +Y -Y +Z -Z of the light position's axes)
+    std::uint8_t face = 0;               ///< cube face 0..5 (+X -X +Y -Y +Z -Z of the light sample's axes)
     std::vector<std::uint32_t> casters;  ///< indices into Scene::instances that can cast into this view's region
     ContentKey key;                      ///< of everything a map drawn from this view depends on
 };
@@ -51,20 +50,24 @@ struct LightSample {
     }
 };
 
-/// What the maker of views needs to know of the technique.
+/// What the maker of light samples needs to know of the technique.
 struct ViewSettings {
-    int map_size = 1024;
+    int map_size = 1024;  ///< 0: no views are made
     int border_texels = 0;
-    int position_count = 1;
+    int sample_count = 1;
     LightPattern pattern = LightPattern::Sequence;
 };
 
-/// The positions of a light and their views, fitted to the receivers in `frame` that face the light, are in its cone
-/// and in its receiver set, and to the casters that can reach them. `previous` (may be null), made for another sample
-/// of the same pixels, is kept where it still covers the receivers, so that jittered samples share their maps.
-/// `threads` (may be null: one thread) does not change the result. `cancel` (may be null) is asked between positions.
+/// `point`, a sample of the light, with views fitted to the receivers in `frame` that face the light, are in its cone
+/// and in its receiver set, and to the casters that can reach them. The views of `previous` (may be null), the same
+/// sample made for another sample of the same pixels, are kept where they still cover the receivers, so that jittered
+/// frames share their maps. `threads` (may be null: one thread) does not change the result.
+LightSample fit_light_views(const Frame& frame, const Light& light, LightSample point, const ViewSettings& settings,
+                            const LightSample* previous = nullptr, ThreadPool* threads = nullptr);
+
+/// All samples of a light at once, with their views. `previous`: of another frame, in the same order.
 std::vector<LightSample> make_light_samples(const Frame& frame, const Light& light, const ViewSettings& settings,
                                             const std::vector<LightSample>* previous = nullptr,
-                                            ThreadPool* threads = nullptr, const CancelToken* cancel = nullptr);
+                                            ThreadPool* threads = nullptr);
 
 }  // namespace shadow_layers

@@ -54,10 +54,12 @@ void check_picture(const RenderRequest& request, const ResolvedRequest& resolved
         refuse("region " + std::to_string(r.x) + ", " + std::to_string(r.y) + ", " + std::to_string(r.width) + "x" +
                std::to_string(r.height) + " is not inside the picture of " + std::to_string(request.width) + "x" +
                std::to_string(request.height));
-    const long long overscan = 2LL * resolved.overscan_px;
+    int largest_px = 0;
+    for (const ResolvedJob& job : resolved.jobs) largest_px = std::max(largest_px, job.needs.overscan_px);
+    const long long overscan = 2LL * largest_px;
     if (r.width + overscan > limit || r.height + overscan > limit)
         refuse("a picture of " + std::to_string(r.width) + "x" + std::to_string(r.height) + " with an overscan of " +
-               std::to_string(resolved.overscan_px) + " pixels is beyond this driver's limit of " +
+               std::to_string(largest_px) + " pixels is beyond this driver's limit of " +
                std::to_string(limit) + "; render it in regions");
 }
 
@@ -88,7 +90,8 @@ ResolvedRequest resolve_request(const RenderRequest& request, const gl::Limits& 
     for (const LayerJob& job : request.jobs) {
         resolved.jobs.push_back(resolve_job(request, job, descriptors));
         check_map(resolved.jobs.back(), limits);
-        resolved.overscan_px = std::max(resolved.overscan_px, resolved.jobs.back().needs.overscan_px);
+        const int overscan_px = resolved.jobs.back().needs.overscan_px;
+        resolved.overscan_px = resolved.jobs.size() == 1 ? overscan_px : std::min(resolved.overscan_px, overscan_px);
     }
     check_picture(request, resolved, limits);
     return resolved;

@@ -21,7 +21,7 @@ struct ResolvedJob {
 /// A request that can be worked: everything is inside the driver's limits.
 struct ResolvedRequest {
     PixelRect region;
-    int overscan_px = 0;  ///< the largest of the jobs
+    int overscan_px = 0;  ///< the smallest of the jobs, for the pictures that belong to none
     std::vector<ResolvedJob> jobs;
 };
 

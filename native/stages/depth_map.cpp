@@ -28,11 +28,11 @@ private:
     const GladGLContext& gl_;
 };
 
-std::shared_ptr<const DepthMap> draw_depth_map(Engine& engine, const Scene& scene, const LightSample& position,
+std::shared_ptr<const DepthMap> draw_depth_map(Engine& engine, const Scene& scene, const LightSample& sample,
                                                double slope_factor, const ContentKey& key) {
     const auto timer = engine.time_stage("depth_map");
-    const int layers = std::max(1, int(position.views.size()));
-    const int size = position.views.empty() ? 1 : position.views.front().size_texels;
+    const int layers = std::max(1, int(sample.views.size()));
+    const int size = sample.views.empty() ? 1 : sample.views.front().size_texels;
     auto texture = std::make_shared<gl::Texture>(
         engine.device(), gl::TextureDesc{GL_DEPTH_COMPONENT32F, size, size, layers}, "depth map");
     texture->set_compare(GL_GEQUAL);
@@ -43,8 +43,8 @@ std::shared_ptr<const DepthMap> draw_depth_map(Engine& engine, const Scene& scen
         target.attach_depth(texture, layer);
         target.bind();
         target.clear_depth();
-        if (position.views.empty()) continue;
-        const LightView& view = position.views[std::size_t(layer)];
+        if (sample.views.empty()) continue;
+        const LightView& view = sample.views[std::size_t(layer)];
         if (view.casters.empty()) continue;
         const SlopeOffset offset(engine.gl(), slope_factor);
         DrawState state = DrawState::nearest();
@@ -60,14 +60,14 @@ std::shared_ptr<const DepthMap> draw_depth_map(Engine& engine, const Scene& scen
 
 }  // namespace
 
-std::shared_ptr<const DepthMap> render_depth_map(Engine& engine, const Scene& scene, const LightSample& position,
+std::shared_ptr<const DepthMap> render_depth_map(Engine& engine, const Scene& scene, const LightSample& sample,
                                                  double slope_factor) {
     KeyBuilder builder("depth_map");
-    builder.add(slope_factor).add(position.views.size());
-    for (const LightView& view : position.views) builder.add(view.key);
+    builder.add(slope_factor).add(sample.views.size());
+    for (const LightView& view : sample.views) builder.add(view.key);
     const ContentKey key = builder.key();
     auto map =
-        engine.stages().get<DepthMap>(key, [&] { return draw_depth_map(engine, scene, position, slope_factor, key); });
+        engine.stages().get<DepthMap>(key, [&] { return draw_depth_map(engine, scene, sample, slope_factor, key); });
     engine.count("map_bytes", std::int64_t(map->byte_size()));
     return map;
 }

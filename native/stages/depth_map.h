@@ -9,7 +9,7 @@
 
 namespace shadow_layers {
 
-/// What a light position sees: DEPTH_COMPONENT32F array, one layer per view, reversed depth, compared with GL_GEQUAL by
+/// What a light sample sees: DEPTH_COMPONENT32F array, one layer per view, reversed depth, compared with GL_GEQUAL by
 /// shadow samplers (result 1 = lit), nearest filter.
 ///
 /// Each caster is pushed away from the light by `slope_factor` times its own depth slope per texel,
@@ -24,8 +24,8 @@ struct DepthMap {
 /// The push of the variants with receiver-plane comparison (docs/techniques/edsm.md, "B").
 inline constexpr double kReceiverPlaneSlopeFactor = 0.5;
 
-/// Cached by the views' keys. A position without views gives a map of one empty texel. Counts "map_bytes".
-std::shared_ptr<const DepthMap> render_depth_map(Engine& engine, const Scene& scene, const LightSample& position,
+/// Cached by the views' keys. A sample without views gives a map of one empty texel. Counts "map_bytes".
+std::shared_ptr<const DepthMap> render_depth_map(Engine& engine, const Scene& scene, const LightSample& sample,
                                                  double slope_factor = kReceiverPlaneSlopeFactor);
 
 }  // namespace shadow_layers

@@ -29,10 +29,10 @@ struct InstanceEdges {
     std::vector<SilhouetteEdge> edges;
 };
 
-std::vector<InstanceEdges> find_by_instance(Engine& engine, const Scene& scene, const LightSample& position,
+std::vector<InstanceEdges> find_by_instance(Engine& engine, const Scene& scene, const LightSample& sample,
                                             const SilhouetteOptions& options) {
     std::set<std::uint32_t> casters;
-    for (const LightView& view : position.views) casters.insert(view.casters.begin(), view.casters.end());
+    for (const LightView& view : sample.views) casters.insert(view.casters.begin(), view.casters.end());
     std::vector<InstanceEdges> found;
     std::map<std::uint32_t, MeshEdges> meshes;
     for (const std::uint32_t instance : casters) {
@@ -44,7 +44,7 @@ std::vector<InstanceEdges> find_by_instance(Engine& engine, const Scene& scene, 
         found.push_back({instance, {}});
     }
     const LightPoint light =
-        position.directional ? LightPoint(position.to_light_ws, 0.0) : LightPoint(position.position_ws, 1.0);
+        sample.directional ? LightPoint(sample.to_light_ws, 0.0) : LightPoint(sample.position_ws, 1.0);
     const auto find_one = [&](InstanceEdges& item, ThreadPool* threads) {
         const Instance& instance = scene.instances[item.instance];
         item.edges = find_silhouettes(*scene.meshes[instance.mesh], meshes.at(instance.mesh),
@@ -115,13 +115,12 @@ bool project_edge(const LightView& view, glm::dvec4 start_lc, glm::dvec4 end_lc,
     return true;
 }
 
-MapEdges find_map_edges(Engine& engine, const Scene& scene, const LightSample& position,
-                        const MapEdgeOptions& options) {
+MapEdges find_map_edges(Engine& engine, const Scene& scene, const LightSample& sample, const MapEdgeOptions& options) {
     const auto timer = engine.time_stage("silhouettes");
     MapEdges result;
-    const std::vector<InstanceEdges> found = find_by_instance(engine, scene, position, options.silhouettes);
+    const std::vector<InstanceEdges> found = find_by_instance(engine, scene, sample, options.silhouettes);
     for (const InstanceEdges& item : found) result.silhouette_edges += std::int64_t(item.edges.size());
-    for (const LightView& view : position.views)
+    for (const LightView& view : sample.views)
         result.by_view.push_back(project_to_view(engine, scene, found, view, options));
     return result;
 }

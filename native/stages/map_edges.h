@@ -30,6 +30,6 @@ struct MapEdges {
     std::vector<std::vector<MapEdge>> by_view;  ///< in the order of instances and of their edges
     std::int64_t silhouette_edges = 0;          ///< found, before any view cuts them
 };
-MapEdges find_map_edges(Engine& engine, const Scene& scene, const LightSample& position, const MapEdgeOptions& options);
+MapEdges find_map_edges(Engine& engine, const Scene& scene, const LightSample& sample, const MapEdgeOptions& options);
 
 }  // namespace shadow_layers

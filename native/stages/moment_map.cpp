@@ -134,9 +134,9 @@ private:
     const MomentMapOptions& options_;
 };
 
-std::vector<float> find_stretches(const LightSample& position) {
+std::vector<float> find_stretches(const LightSample& sample) {
     std::vector<float> stretches;
-    for (const LightView& view : position.views)
+    for (const LightView& view : sample.views)
         stretches.push_back(view.perspective ? float(view.far_ls / view.near_ls - 1) : 0.0f);
     if (stretches.empty()) stretches.push_back(0.0f);
     return stretches;
@@ -179,8 +179,8 @@ int find_reach_texels(const MomentMapOptions& options) {
     return options.radius + levels;
 }
 
-std::shared_ptr<const MomentMap> render_moment_map(Engine& engine, const LightSample& position,
-                                                   const DepthMap& depth_map, const MomentMapOptions& options) {
+std::shared_ptr<const MomentMap> render_moment_map(Engine& engine, const LightSample& sample, const DepthMap& depth_map,
+                                                   const MomentMapOptions& options) {
     const ContentKey key = KeyBuilder("moment_map")
                                .add(depth_map.key)
                                .add(options.encode)
@@ -192,7 +192,7 @@ std::shared_ptr<const MomentMap> render_moment_map(Engine& engine, const LightSa
                                .key();
     auto map = engine.stages().get<MomentMap>(key, [&] {
         auto made = std::make_shared<MomentMap>();
-        made->stretches = find_stretches(position);
+        made->stretches = find_stretches(sample);
         made->options = options;
         made->texture = MomentMapMaker(engine, depth_map, options).make(made->stretches);
         made->key = key;

@@ -48,7 +48,7 @@ int find_reach_texels(const MomentMapOptions& options);
 
 /// Cached by the depth map's key and the options. Adds to "map_bytes"; stages "moment_map", "moment_blur",
 /// "moment_levels".
-std::shared_ptr<const MomentMap> render_moment_map(Engine& engine, const LightSample& position,
-                                                   const DepthMap& depth_map, const MomentMapOptions& options);
+std::shared_ptr<const MomentMap> render_moment_map(Engine& engine, const LightSample& sample, const DepthMap& depth_map,
+                                                   const MomentMapOptions& options);
 
 }  // namespace shadow_layers

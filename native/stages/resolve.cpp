@@ -10,34 +10,33 @@
 namespace shadow_layers {
 namespace {
 
-void set_cube_layers(LightParams& params, const LightSample& position) {
+void set_cube_layers(LightParams& params, const LightSample& sample) {
     params.layer_of_face[0] = glm::ivec4(-1);
-    params.layer_of_face[1] = glm::ivec4(-1, -1, position.cube ? 1 : 0, int(position.views.size()));
-    for (std::size_t layer = 0; layer < position.views.size(); ++layer) {
-        const int face = position.views[layer].face;
+    params.layer_of_face[1] = glm::ivec4(-1, -1, sample.cube ? 1 : 0, int(sample.views.size()));
+    for (std::size_t layer = 0; layer < sample.views.size(); ++layer) {
+        const int face = sample.views[layer].face;
         params.layer_of_face[face / 4][face % 4] = int(layer);
     }
 }
 
 }  // namespace
 
-LightParams make_light_params(const Frame& frame, const Light& light, const LightSample& position) {
+LightParams make_light_params(const Frame& frame, const Light& light, const LightSample& sample) {
     LightParams params{};
     const glm::dmat4 ws_from_rel = glm::translate(glm::dmat4(1.0), frame.origin_ws);
-    for (std::size_t layer = 0; layer < std::min<std::size_t>(position.views.size(), kMaxViews); ++layer)
-        params.lc_from_rel[layer] = glm::mat4(position.views[layer].lc_from_ws * ws_from_rel);
+    for (std::size_t layer = 0; layer < std::min<std::size_t>(sample.views.size(), kMaxViews); ++layer)
+        params.lc_from_rel[layer] = glm::mat4(sample.views[layer].lc_from_ws * ws_from_rel);
     // Along the axes the difference to a far light is taken in double: what lies across the axis of a narrow cone is
     // small.
-    const glm::dvec3 place_rel = position.position_ws - frame.origin_ws;
+    const glm::dvec3 place_rel = sample.position_ws - frame.origin_ws;
     for (int axis = 0; axis < 3; ++axis)
-        params.axes_rel[axis] =
-            glm::vec4(glm::dvec4(position.axes_ws[axis], glm::dot(position.axes_ws[axis], place_rel)));
+        params.axes_rel[axis] = glm::vec4(glm::dvec4(sample.axes_ws[axis], glm::dot(sample.axes_ws[axis], place_rel)));
     params.place_rel =
-        position.directional ? glm::vec4(glm::vec3(position.to_light_ws), 0.0f) : glm::vec4(glm::vec3(place_rel), 1.0f);
-    params.cone = glm::vec4(float(position.cone_cos), float(position.cone_sin), 0.0f, 0.0f);
-    set_cube_layers(params, position);
-    if (!position.views.empty()) {
-        const LightView& view = position.views.front();
+        sample.directional ? glm::vec4(glm::vec3(sample.to_light_ws), 0.0f) : glm::vec4(glm::vec3(place_rel), 1.0f);
+    params.cone = glm::vec4(float(sample.cone_cos), float(sample.cone_sin), 0.0f, 0.0f);
+    set_cube_layers(params, sample);
+    if (!sample.views.empty()) {
+        const LightView& view = sample.views.front();
         params.map =
             glm::vec4(float(view.size_texels), 1.0f / float(view.size_texels), float(view.border_texels), 0.0f);
     } else {
@@ -56,7 +55,7 @@ const gl::Texture& ResolvePass::run(Engine& engine, const Task& task) {
     target_.fit(engine, frame.width, frame.height, formats, "resolved layer");
     if (task.second_program) engine.count("picture_bytes", std::int64_t(target_.texture(1).byte_size()));
     if (!params_buf_) params_buf_ = gl::Buffer(engine.device(), sizeof(LightParams), "light params");
-    const LightParams params = make_light_params(frame, task.light, task.position);
+    const LightParams params = make_light_params(frame, task.light, task.sample);
     params_buf_.write(&params, sizeof params);
 
     task.program.use();

@@ -12,18 +12,18 @@
 
 namespace shadow_layers {
 
-/// One light position in the form of shaders/shared/light_params.h: matrices are composed in double with the frame's
+/// One light sample in the form of shaders/shared/light_params.h: matrices are composed in double with the frame's
 /// origin, so that a scene far from the world's origin costs no precision.
-LightParams make_light_params(const Frame& frame, const Light& light, const LightSample& position);
+LightParams make_light_params(const Frame& frame, const Light& light, const LightSample& sample);
 
 /// Draws a full-screen program over the frame. Its fragment shader includes "stages/resolve_inputs.glsl". One pass
-/// serves all views of a position: the shader picks layer and matrix by cube face. Kept by a technique between frames.
+/// serves all views of a sample: the shader picks layer and matrix by cube face. Kept by a technique between frames.
 class ResolvePass {
 public:
     struct Task {
         const Frame& frame;
         const Light& light;
-        const LightSample& position;
+        const LightSample& sample;
         const gl::Program& program;  ///< may `discard` the pixels that it leaves to `second_program`
         /// Drawn over the pixels that `program` discarded, if any are to be expected. A depth test holds the others
         /// back: unlike a branch in the shader, that saves their cost on a software rasteriser too.

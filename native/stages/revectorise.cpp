@@ -26,11 +26,11 @@ void RevectorisePass::prepare(Engine& engine, const RevectoriseSettings& setting
 }
 
 const gl::Texture& RevectorisePass::run(Engine& engine, const Frame& frame, const Light& light,
-                                        const LightSample& position) {
-    const auto map = render_depth_map(engine, *frame.scene, position);
+                                        const LightSample& sample) {
+    const auto map = render_depth_map(engine, *frame.scene, sample);
     return resolve_.run(engine, {.frame = frame,
                                  .light = light,
-                                 .position = position,
+                                 .sample = sample,
                                  .program = *decider_,
                                  .second_program = walker_,
                                  .work_per_pixel = kReadsToDecide,

@@ -25,7 +25,7 @@ public:
     void prepare(Engine& engine, const RevectoriseSettings& settings, const std::string& walker, gl::Defines defines);
 
     /// Visibility (R32F), valid until the next run. Makes the depth map.
-    const gl::Texture& run(Engine& engine, const Frame& frame, const Light& light, const LightSample& position);
+    const gl::Texture& run(Engine& engine, const Frame& frame, const Light& light, const LightSample& sample);
 
 private:
     RevectoriseSettings settings_;

@@ -80,13 +80,13 @@ void RevectorisedFilterPass::prepare(Engine& engine, const RevectorisedFilterSet
 }
 
 const gl::Texture& RevectorisedFilterPass::run(Engine& engine, const Frame& frame, const Light& light,
-                                               const LightSample& position) {
-    const auto map = render_depth_map(engine, *frame.scene, position);
+                                               const LightSample& sample) {
+    const auto map = render_depth_map(engine, *frame.scene, sample);
     const int window_reach = settings_.window_reach();
     const auto ranges = settings_.early_out ? render_depth_range_map(engine, *map, window_reach) : nullptr;
     return resolve_.run(engine, {.frame = frame,
                                  .light = light,
-                                 .position = position,
+                                 .sample = sample,
                                  .program = *decider_,
                                  .second_program = evaluator_,
                                  .second_work_per_pixel = count_reads(settings_),

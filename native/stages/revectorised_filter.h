@@ -34,7 +34,7 @@ public:
     void prepare(Engine& engine, const RevectorisedFilterSettings& settings);
 
     /// Visibility (R32F), valid until the next run. Makes the depth map and its range map.
-    const gl::Texture& run(Engine& engine, const Frame& frame, const Light& light, const LightSample& position);
+    const gl::Texture& run(Engine& engine, const Frame& frame, const Light& light, const LightSample& sample);
 
 private:
     RevectorisedFilterSettings settings_;

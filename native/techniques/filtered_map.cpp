@@ -20,16 +20,16 @@ public:
     }
 
     void render(Engine& engine, const LightTask& task, LayerOutputs& outputs) override {
-        const LightSample& position = task.positions.front();
-        const auto depths = render_depth_map(engine, *task.frame.scene, position);
-        const auto map = render_moment_map(engine, position, *depths, get_map_options(task.parameters));
+        const LightSample& sample = task.sample;
+        const auto depths = render_depth_map(engine, *task.frame.scene, sample);
+        const auto map = render_moment_map(engine, sample, *depths, get_map_options(task.parameters));
         const auto bind = [&] {
             map->bind(*program_);
             kind_.set_uniforms(*program_, task.parameters);
         };
         outputs.set("visibility", resolve_.run(engine, {.frame = task.frame,
                                                         .light = task.light,
-                                                        .position = position,
+                                                        .sample = sample,
                                                         .program = *program_,
                                                         .work_per_pixel = 4,
                                                         .bind_inputs = bind}));

@@ -4,33 +4,41 @@
 
 #include <algorithm>
 
+#include "engine/picture_upload.h"
 #include "shadow_layers/error.h"
 
 namespace shadow_layers {
 namespace {
 
-/// Keeps the visibility and drops the other outputs.
+/// Keeps the visibility.
 class VisibilityCatcher final : public LayerOutputs {
 public:
-    VisibilityCatcher(Engine& engine, std::shared_ptr<gl::Texture>& upload) : engine_(engine), upload_(upload) {}
+    VisibilityCatcher(Engine& engine, PictureUpload& upload) : engine_(engine), upload_(upload) {}
 
-    void set(const std::string& channel, const gl::Texture& texture) override {
-        if (channel == "visibility") found_ = &texture;
-    }
-    void set(const std::string& channel, Image image) override {
-        if (channel != "visibility") return;
-        if (!upload_ || upload_->width() != image.width || upload_->height() != image.height)
-            upload_ = std::make_shared<gl::Texture>(
-                engine_.device(), gl::TextureDesc{GL_R32F, image.width, image.height}, "inner visibility");
-        upload_->upload(image.data.data());
-        found_ = upload_.get();
-    }
+    void set(const std::string&, const gl::Texture& texture) override { found_ = &texture; }
+    void set(const std::string&, Image image) override { found_ = &upload_.put(engine_, image); }
     const gl::Texture* found() const { return found_; }
 
 private:
     Engine& engine_;
-    std::shared_ptr<gl::Texture>& upload_;
+    PictureUpload& upload_;
     const gl::Texture* found_ = nullptr;
+};
+
+/// Hands the visibility on and drops the other outputs.
+class VisibilityAlone final : public LayerOutputs {
+public:
+    explicit VisibilityAlone(LayerOutputs& outputs) : outputs_(outputs) {}
+
+    void set(const std::string& channel, const gl::Texture& texture) override {
+        if (channel == "visibility") outputs_.set(channel, texture);
+    }
+    void set(const std::string& channel, Image image) override {
+        if (channel == "visibility") outputs_.set(channel, std::move(image));
+    }
+
+private:
+    LayerOutputs& outputs_;
 };
 
 }  // namespace
@@ -39,7 +47,7 @@ struct InnerTechnique::Made {
     TechniqueDescriptor descriptor;
     std::unique_ptr<Technique> technique;
     ParameterValues parameters;
-    std::shared_ptr<gl::Texture> upload_tx;
+    PictureUpload upload;
 };
 
 InnerTechnique::InnerTechnique() = default;
@@ -64,11 +72,18 @@ void InnerTechnique::prepare(Engine& engine, const std::string& id, const Parame
 
 const gl::Texture& InnerTechnique::render(Engine& engine, const LightTask& task) {
     if (!current_) throw Error("an inner technique renders before it is prepared");
-    VisibilityCatcher catcher(engine, current_->upload_tx);
-    current_->technique->render(engine, {task.frame, task.frames, task.light, task.positions, current_->parameters},
-                                catcher);
+    VisibilityCatcher catcher(engine, current_->upload);
+    render(engine, task, catcher);
     if (!catcher.found()) throw Error("technique \"" + current_->descriptor.id + "\" gave no visibility");
     return *catcher.found();
+}
+
+void InnerTechnique::render(Engine& engine, const LightTask& task, LayerOutputs& outputs) {
+    if (!current_) throw Error("an inner technique renders before it is prepared");
+    VisibilityAlone visibility(outputs);
+    current_->technique->render(
+        engine, {task.frame, task.frames, task.light, task.sample, current_->parameters, task.picture_sample},
+        visibility);
 }
 
 TechniqueNeeds find_inner_needs(const std::string& id, const ParameterValues& given) {

@@ -24,9 +24,12 @@ public:
     /// such technique or a value is not allowed.
     void prepare(Engine& engine, const std::string& id, const ParameterValues& given);
 
-    /// Renders `task`'s light with the prepared technique and its own parameters. R32F of the frame's size, overscan
-    /// included; valid until the next call.
+    /// Renders `task`'s light sample with the prepared technique and its own parameters. R32F of the frame's size,
+    /// overscan included; valid until the next call.
     const gl::Texture& render(Engine& engine, const LightTask& task);
+
+    /// The same into `outputs`, from wherever the technique has it.
+    void render(Engine& engine, const LightTask& task, LayerOutputs& outputs);
 
 private:
     struct Made;

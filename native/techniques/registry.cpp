@@ -11,6 +11,7 @@
 #include "techniques/exact/exact.h"
 #include "techniques/extsm/extsm.h"
 #include "techniques/fsasm/fsasm.h"
+#include "techniques/light_samples_option.h"
 #include "techniques/msm/msm.h"
 #include "techniques/multi/multi.h"
 #include "techniques/pcf/pcf.h"
@@ -60,10 +61,16 @@ const std::vector<TechniqueEntry>& technique_entries() {
     return entries;
 }
 
+TechniqueDescriptor make_descriptor(const TechniqueEntry& entry) {
+    TechniqueDescriptor descriptor = entry.describe();
+    if (can_average_light_samples(descriptor)) add_light_samples_option(descriptor);
+    return descriptor;
+}
+
 const std::vector<TechniqueDescriptor>& technique_descriptors() {
     static const std::vector<TechniqueDescriptor> descriptors = [] {
         std::vector<TechniqueDescriptor> made;
-        for (const TechniqueEntry& entry : technique_entries()) made.push_back(entry.describe());
+        for (const TechniqueEntry& entry : technique_entries()) made.push_back(make_descriptor(entry));
         return made;
     }();
     return descriptors;

@@ -26,14 +26,16 @@ public:
     virtual void set(const std::string& channel, Image image) = 0;
 };
 
-/// One light of one frame, ready for a technique. A technique sees all views of all positions at once, so that
-/// camera-space stages run after they are merged.
+/// One sample of a light in one frame, ready for a technique. A technique sees all views of the sample at once, so that
+/// camera-space stages run after they are merged. The session goes through the light's samples and averages the
+/// answers.
 struct LightTask {
     const Frame& frame;
     FrameSource& frames;
     const Light& light;
-    const std::vector<LightSample>& positions;
+    const LightSample& sample;
     const ParameterValues& parameters;
+    int picture_sample = 0;  ///< which of the picture's samples this is; one may take another pattern than the next
 };
 
 /// Composed of shared stages (stages/); never derives from, or branches on, another technique. Lives on the worker
@@ -55,6 +57,9 @@ struct TechniqueEntry {
     TechniqueDescriptor (*describe)();
     std::unique_ptr<Technique> (*make)();
 };
+
+/// The entry's descriptor with the options that the session adds (techniques/light_samples_option.h).
+TechniqueDescriptor make_descriptor(const TechniqueEntry& entry);
 
 /// All techniques; techniques/registry.cpp, one line each.
 const std::vector<TechniqueEntry>& technique_entries();

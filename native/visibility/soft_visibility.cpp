@@ -46,9 +46,7 @@ constexpr double kPlaceRounding = 1.8 / 16777216;
 
 std::vector<std::vector<LightSample>> make_sample_lists(const Light& light, const SoftSettings& settings) {
     const int count = settings.light_samples;
-    std::vector<LightSample> samples = sample_light_shape(light, count, settings.pattern);
-    // All alike: a light without size.
-    if (samples.front().is_same_place(samples.back())) samples.resize(1);
+    const std::vector<LightSample> samples = sample_light_shape(light, count, settings.pattern);
     if (!settings.is_rotated || samples.size() == 1) return {samples};
     std::vector<std::vector<LightSample>> lists;
     for (int k = 0; k < kShifts; ++k)

@@ -349,6 +349,8 @@ TEST_P(Contract, EveryParameterWorksOverItsRange) {
             for (const EnumItem& item : spec.items) values.emplace_back(item.id);
         else if (spec.type == ParameterType::Float)
             values = {spec.min, 0.5 * (spec.min + spec.max), spec.max};
+        else if (spec.id == "light_samples")
+            values = {std::int64_t{2}, std::int64_t{5}};  // 256 hard shadows take long: `multi` alone has them
         else if (spec.id != "map_size")
             values = {std::int64_t(spec.min), std::int64_t(spec.max)};
         for (const ParameterValue& value : values) {
@@ -364,6 +366,86 @@ TEST_P(Contract, EveryParameterWorksOverItsRange) {
 
 INSTANTIATE_TEST_SUITE_P(AllTechniques, Contract, ::testing::ValuesIn(all_cases()),
                          [](const auto& item) { return item.param.technique + "_" + kind_name(item.param.kind); });
+
+// Soft shadows as an option of every technique for hard ones, and `multi` as that option with a name.
+TEST_P(Contract, LightSamplesAreMultiWithThisTechnique) {
+    const bool offers = std::any_of(technique().parameters.begin(), technique().parameters.end(),
+                                    [](const ParameterSpec& spec) { return spec.id == "light_samples"; });
+    EXPECT_EQ(offers, find_truth(technique(), resolve_parameters(technique(), {})).kind == TruthKind::Hard);
+    if (!offers || technique().test_only) GTEST_SKIP() << "no option, or not offered to multi";
+    SceneView view = random_scene(6, 64, 36);
+    view.scene->lights = {light_above()};
+    Light& light = view.scene->lights[0];
+    light.radius = 0.3, light.sun_angle = 0.1, light.area_size = {0.7, 0.5};
+    RenderRequest request = request_for(view);
+    request.jobs[0].parameters.set("light_samples", std::int64_t{5});
+    request.jobs[0].parameters.set("light_pattern", std::string("grid"));
+    ParameterValues named = small_maps(find_technique_descriptor("multi"));
+    named.set("positions", std::int64_t{5});
+    named.set("pattern", std::string("grid"));
+    named.set("technique", technique().id);
+    request.jobs.push_back({0, "multi", named});
+    request.jobs.push_back({0, technique().id, small_maps(technique())});
+    const auto layers = render(shared_session(), request);
+    const auto& soft = layers.at(0).channels.at("visibility").data;
+    EXPECT_EQ(soft, layers.at(1).channels.at("visibility").data);
+    EXPECT_NE(soft, layers.at(2).channels.at("visibility").data);
+    EXPECT_EQ(find_truth(technique(), layers[0].parameters).kind, TruthKind::Soft);
+    EXPECT_EQ(find_truth(technique(), layers[2].parameters).kind, TruthKind::Hard);
+}
+
+/// A technique with maps of 64 texels, beside every other one: before and after it.
+class Company : public ::testing::TestWithParam<std::string> {};
+
+TEST_P(Company, ALayerIsTheSameAloneAndBesideAnyOther) {
+    const TechniqueDescriptor& technique = find_technique_descriptor(GetParam());
+    SceneView view = random_scene(8, 48, 27);
+    view.scene->lights = {make_light(LightKind::Spot, {0.7, 0.4, 5}, {0.1, 0.2, 0}, 70),
+                          make_light(LightKind::Area, {1.2, -0.6, 4}, {0.1, 0.2, 0})};
+    RenderRequest request = make_request(view);
+    const LayerJob here{0, technique.id, small_maps(technique, 64)}, there{1, technique.id, small_maps(technique, 64)};
+    request.jobs = {here, there};
+    const auto alone = render(shared_session(), request);
+    for (const TechniqueDescriptor& other : technique_descriptors()) {
+        const ParameterValues maps = small_maps(other, 64);
+        request.jobs = {{0, other.id, maps}, here, {1, other.id, maps}, there, {1, other.id, maps}};
+        const auto layers = render(shared_session(), request);
+        for (const OutputSpec& output : technique.outputs)
+            for (const std::size_t light : {0u, 1u})
+                EXPECT_EQ(layers.at(2 * light + 1).channels.at(output.id).data,
+                          alone.at(light).channels.at(output.id).data)
+                    << output.id << " beside " << other.id << ", light " << light;
+        for (const std::size_t light : {0u, 1u}) {
+            ASSERT_EQ(layers[2 * light + 1].views.size(), alone[light].views.size()) << other.id;
+            for (std::size_t i = 0; i < alone[light].views.size(); ++i)
+                EXPECT_EQ(layers[2 * light + 1].views[i].corner, alone[light].views[i].corner) << other.id;
+        }
+    }
+}
+
+INSTANTIATE_TEST_SUITE_P(AllTechniques, Company, ::testing::ValuesIn([] {
+                             std::vector<std::string> ids;
+                             for (const TechniqueDescriptor& t : technique_descriptors()) ids.push_back(t.id);
+                             return ids;
+                         }()),
+                         [](const auto& item) { return item.param; });
+
+// What belongs to no layer, too.
+TEST(FrameOfManyJobs, ThePicturesOfTheFrameAreThoseOfTheSmallestOverscan) {
+    SceneView view = random_scene(8, 48, 27);
+    view.scene->lights = {make_light(LightKind::Spot, {0.7, 0.4, 5}, {0.1, 0.2, 0}, 70)};
+    RenderRequest request = make_request(view);
+    request.combined = true;
+    request.aux = {"position", "normal", "ids", "depth"};
+    request.jobs = {{0, "sm", {}}};
+    const auto ignore = [](Layer&&) {};
+    const FrameResult alone = shared_session().render(request, ignore);
+    request.jobs.push_back({0, "edtsm", {}});
+    const FrameResult both = shared_session().render(request, ignore);
+    EXPECT_EQ(both.coverage.data, alone.coverage.data);
+    EXPECT_EQ(both.combined.data, alone.combined.data);
+    for (const std::string& name : request.aux) EXPECT_EQ(both.aux.at(name).data, alone.aux.at(name).data) << name;
+}
 
 TEST(Descriptors, AreComplete) {
     for (const TechniqueDescriptor& technique : technique_descriptors()) {

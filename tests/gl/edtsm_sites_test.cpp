@@ -41,7 +41,7 @@ TEST(BorderSites, AreThoseOfBruteForce) {
     const auto fresh = maker.make(glm::dvec2(0));
     SampleFrames frames(maker, glm::dvec2(0));
     PenumbraBlocks blocks;
-    blocks.bind(runner.engine(), {*fresh, frames, view.scene->lights[0], run.positions, values}, settings);
+    blocks.bind(runner.engine(), {*fresh, frames, view.scene->lights[0], run.positions[0], values}, settings);
     BorderSites finder;
     const auto sites = finder.find(runner.engine(), *fresh, settings, hard_tx, nullptr);
     const auto mask = sites.mask_tx.download<std::uint8_t>();

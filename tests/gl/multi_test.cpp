@@ -202,14 +202,8 @@ TEST_F(MultiTest, OffersTheTechniquesForHardShadowsAndNoOthers) {
         EXPECT_THROW(resolve_parameters(multi, parameters({{"positions", positions}})), InputError);
 }
 
-TEST_F(MultiTest, ACancelIsHeardBetweenPositions) {
-    const Light light = small_light(LightKind::Area, false);
-    const SceneView view = edge_scene(light, kEdge, 0.25);
-    const auto run = runner_.render(view, "multi", settings(2));
-    CancelToken cancel;
-    cancel.request();
-    const ViewSettings views{64, 2, 8, LightPattern::Spiral};
-    EXPECT_THROW(make_light_samples(*run.frame, light, views, nullptr, nullptr, &cancel), Cancelled);
+TEST_F(MultiTest, ACancelIsHeardBetweenSamples) {
+    const SceneView view = edge_scene(small_light(LightKind::Area, false), kEdge, 0.25);
     runner_.engine().cancel_token().request();
     EXPECT_THROW(runner_.render(view, "multi", settings(2)), Cancelled);
     runner_.engine().cancel_token().reset();

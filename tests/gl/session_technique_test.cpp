@@ -55,9 +55,8 @@ protected:
         pool_.reset();
         EngineTest::TearDown();
     }
-    FrameResult run(const RenderRequest& request) {
-        TechniqueSet techniques(
-            {{describe_scripted, [] { return std::unique_ptr<Technique>(new ScriptedTechnique); }}});
+    FrameResult run(const RenderRequest& request, TechniqueDescriptor (*describe)() = describe_scripted) {
+        TechniqueSet techniques({{describe, [] { return std::unique_ptr<Technique>(new ScriptedTechnique); }}});
         layers_.clear();
         RenderOutlet outlet;
         outlet.deliver = [&](Layer&& layer) { layers_.push_back(std::move(layer)); };
@@ -126,6 +125,97 @@ TEST_F(SessionTechniqueTest, SamplesAreAveraged) {
     EXPECT_EQ(sample, 10);
     for (float value : layers_.at(0).channels.at("visibility").data) EXPECT_FLOAT_EQ(value, 0.3f);
     for (float value : layers_[0].channels.at("extra").data) EXPECT_EQ(value, 1.0f);
+}
+
+/// The ball scene's floor under a bulb of radius 0.5.
+std::shared_ptr<Scene> make_bulb_scene() {
+    auto scene = test::make_ball_scene();
+    scene->instances.resize(1);
+    scene->lights[0].radius = 0.5;
+    return scene;
+}
+
+ParameterValues sample_count(int count) {
+    ParameterValues values;
+    values.set("light_samples", std::int64_t{count});
+    return values;
+}
+
+// One sample after the other, and their mean weighs them by the cosine at the receiver, worked out here from the places
+// that the technique was given; channels other than the visibility have the plain mean.
+TEST_F(SessionTechniqueTest, LightSamplesAreAveragedByTheLightThatTheyBring) {
+    RenderRequest request = make_request();
+    request.scene = make_bulb_scene();
+    request.jobs[0].parameters = sample_count(4);
+    std::vector<glm::dvec3> places;
+    std::vector<glm::dvec3> receivers;
+    behaviour.render = [&](Engine&, const LightTask& task, LayerOutputs& outputs) {
+        const auto index = float(places.size());
+        places.push_back(task.sample.position_ws - task.frame.origin_ws);
+        receivers.assign(task.frame.positions_rel.begin(), task.frame.positions_rel.end());
+        outputs.set("visibility", make_image(task.frame, 1, index / 4));
+        outputs.set("extra", make_image(task.frame, 1, 3 * index));
+    };
+    run(request);
+    ASSERT_EQ(places.size(), 4u);
+    const std::vector<float>& visibility = layers_.at(0).channels.at("visibility").data;
+    for (std::size_t pixel = 0; pixel < visibility.size(); ++pixel) {
+        double sum = 0, weights = 0;
+        for (std::size_t i = 0; i < 4; ++i) {
+            const glm::dvec3 to_light = places[i] - receivers[pixel];
+            const double weight = to_light.z / glm::length(to_light);
+            sum += weight * double(i) / 4, weights += weight;
+        }
+        if (receivers[pixel] == glm::dvec3(0.0)) continue;
+        ASSERT_NEAR(visibility[pixel], sum / weights, 1e-6);
+    }
+    EXPECT_EQ(layers_[0].channels.at("extra").data[5], 4.5f);
+    EXPECT_EQ(layers_[0].stats.counters.at("light_samples"), 4);
+}
+
+TEST_F(SessionTechniqueTest, ALightWithoutSizeHasOneSample) {
+    RenderRequest request = make_request();
+    request.jobs[0].parameters = sample_count(7);
+    int calls = 0;
+    behaviour.render = [&](Engine&, const LightTask& task, LayerOutputs& outputs) {
+        ++calls;
+        for (const char* name : {"visibility", "extra"}) outputs.set(name, make_image(task.frame, 1, 0.25f));
+    };
+    run(request);
+    EXPECT_EQ(calls, 1);
+    EXPECT_EQ(layers_.at(0).channels.at("visibility").data[5], 0.25f);
+}
+
+/// Its needs: all samples at once.
+TechniqueDescriptor describe_sampler() {
+    TechniqueDescriptor d = describe_scripted();
+    d.truth = [](const ParameterValues&) { return TruthSpec{TruthKind::Soft}; };
+    return d;
+}
+
+TEST_F(SessionTechniqueTest, WhoSamplesTheLightItselfIsCalledOnceWithItsCentre) {
+    behaviour.needs.samples_itself = true;
+    behaviour.needs.light_samples = 16;
+    RenderRequest request = make_request();
+    auto scene = make_bulb_scene();
+    request.scene = scene;
+    request.samples = 3;
+    std::vector<int> picture_samples;
+    behaviour.render = [&](Engine&, const LightTask& task, LayerOutputs& outputs) {
+        picture_samples.push_back(task.picture_sample);
+        EXPECT_EQ(task.sample.position_ws, glm::dvec3(task.light.world_from_light[3]));
+        for (const char* name : {"visibility", "extra"}) outputs.set(name, make_image(task.frame, 1, 0.5f));
+    };
+    run(request, describe_sampler);
+    EXPECT_EQ(picture_samples, (std::vector{0, 1, 2}));
+    EXPECT_EQ(layers_.at(0).channels.at("visibility").data[5], 0.5f);
+
+    // Below the floor but for the upper part of the ball: lit by that part.
+    scene->lights[0].casts_shadow = false;
+    scene->lights[0].world_from_light = glm::translate(glm::dmat4(1.0), glm::dvec3(2, -1, -0.05));
+    run(request, describe_sampler);
+    EXPECT_EQ(picture_samples.size(), 3u);
+    for (const float value : layers_.at(0).channels.at("visibility").data) EXPECT_EQ(value, 1.0f);
 }
 
 TEST_F(SessionTechniqueTest, VisibilityIsHeldInRangeAndOtherChannelsAreNot) {

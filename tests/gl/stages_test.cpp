@@ -239,7 +239,7 @@ TEST(ResolvePass, BandsOfALongPassShadeEachPixelOnce) {
         engine.gl().BeginQuery(GL_SAMPLES_PASSED, query);
         const gl::Texture& result = pass.run(engine, {.frame = *run.frame,
                                                       .light = view.scene->lights[0],
-                                                      .position = run.positions[0],
+                                                      .sample = run.positions[0],
                                                       .program = program,
                                                       .work_per_pixel = work_per_pixel,
                                                       .bind_inputs = [&] { map->texture->bind(kDepthMapUnit); }});

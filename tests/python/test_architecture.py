@@ -113,7 +113,7 @@ BELOW = {
     "visibility": {"engine", "lights", "frame", "scene", "base"},
     "stages": {"engine", "gl", "lights", "frame", "scene", "base"},
     "techniques": {"stages", "visibility", "engine", "gl", "lights", "frame", "scene", "base"},
-    "session": {"techniques", "engine", "gl", "context", "lights", "frame", "scene", "base"},
+    "session": {"techniques", "stages", "engine", "gl", "context", "lights", "frame", "scene", "base"},
     "truth": {"lights", "frame", "scene", "base"},
     "io": set(),
     "cli": {"io", "truth"},

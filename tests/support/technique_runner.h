@@ -12,6 +12,7 @@
 #include "engine/engine.h"
 #include "frame/frame_maker.h"
 #include "lights/light_views.h"
+#include "session/light_render.h"
 #include "shadow_layers/technique_descriptor.h"
 #include "support/technique_scenes.h"
 #include "techniques/technique.h"
@@ -57,7 +58,7 @@ public:
     TechniqueRun render(const SceneView& view, const std::string& technique, const ParameterValues& given = {},
                         std::size_t light = 0, PixelRect region = {}) {
         const TechniqueEntry& entry = find_entry(technique);
-        const TechniqueDescriptor descriptor = entry.describe();
+        const TechniqueDescriptor descriptor = make_descriptor(entry);
         const ParameterValues values = resolve_parameters(descriptor, given);
         const TechniqueNeeds needs = descriptor.needs(values);
         if (region.width == 0) region = {0, 0, view.width, view.height};
@@ -73,10 +74,17 @@ public:
         run.frame = maker.make(glm::dvec2(0.0));
         SampleFrames frames(maker, glm::dvec2(0.0));
         const Light& source = view.scene->lights[light];
-        const ViewSettings settings{needs.map_size, needs.map_border_texels, needs.light_samples, needs.light_pattern};
+        const ViewSettings settings{needs.map_size, needs.map_border_texels, needs.separate_samples(),
+                                    needs.light_pattern};
         run.positions = make_light_samples(*run.frame, source, settings, nullptr, &engine_->threads());
         KeptOutputs outputs;
-        made->render(*engine_, {frames.centre(), frames, source, run.positions, values}, outputs);
+        const LightSamples samples{int(run.positions.size()), [&](int index) {
+                                       const std::shared_ptr<void> not_owned;
+                                       return std::shared_ptr<const LightSample>(not_owned,
+                                                                                 &run.positions[std::size_t(index)]);
+                                   }};
+        light_render_.render(*engine_, *made, {frames.centre(), frames, source, descriptor, values, needs}, samples,
+                             outputs);
         run.stats = record.stats();
         engine_->set_record(nullptr);
         engine_->check_cancelled();
@@ -94,6 +102,7 @@ private:
     std::unique_ptr<Engine> engine_;
     std::shared_ptr<FramePool> pool_;
     std::map<std::string, std::unique_ptr<Technique>> techniques_;
+    LightRender light_render_;
 };
 
 inline ParameterValues parameters(std::initializer_list<std::pair<const char*, ParameterValue>> items) {

@@ -126,13 +126,14 @@ TEST_P(LightViewsOfKind, RandomScenesAreCovered) {
         std::mt19937 random(seed);
         std::uniform_real_distribution<double> value(-1, 1);
         const glm::dvec3 place(4 * value(random), 4 * value(random), 2.5 + 2 * value(random));
-        const Light light = light_of(GetParam(), place, {value(random), value(random), 0}, seed % 2 ? 50 : 150);
+        Light light = light_of(GetParam(), place, {value(random), value(random), 0}, seed % 2 ? 50 : 150);
+        light.radius = 0.1, light.sun_angle = 0.05;
         ViewSettings settings;
         settings.map_size = 64 << seed % 5;
         settings.border_texels = int(seed % 4);
-        settings.position_count = seed % 5 == 4 ? 3 : 1;
+        settings.sample_count = seed % 5 == 4 ? 3 : 1;
         const auto positions = make_light_samples(frame, light, settings);
-        ASSERT_EQ(positions.size(), std::size_t(settings.position_count));
+        ASSERT_EQ(positions.size(), std::size_t(settings.sample_count));
         for (const LightSample& position : positions)
             for (const LightView& map : position.views) {
                 EXPECT_EQ(map.size_texels, settings.map_size + 2 * settings.border_texels);

@@ -23,7 +23,7 @@ struct OutputSpec {
 
 inline OutputSpec describe_visibility() { return {"visibility", "", 1, "1 = lit, 0 = in shadow"}; }
 
-/// How positions are spread over a light's shape.
+/// How samples are spread over a light's shape.
 enum class LightPattern : std::uint8_t {
     Sequence,  ///< additive sequence: even at any count
     Spiral,    ///< a lattice made for the count: sunflower on discs
@@ -36,8 +36,12 @@ struct TechniqueNeeds {
     int map_size = 0;           ///< texels per side of each view's map, without border; 0: no views are made
     int map_border_texels = 0;  ///< extra texels on each side of each view, for kernels that reach over its rim
     int overscan_px = 0;        ///< extra frame pixels on each side of the region (camera-space stages)
-    int light_samples = 1;      ///< positions sampled on the light's shape; 1 = its centre
+    int light_samples = 1;      ///< points sampled on the light's shape; 1 = its centre
     LightPattern light_pattern = LightPattern::Sequence;
+    bool samples_itself = false;  ///< works all samples of the light at once: it is given the centre alone
+
+    /// Samples that the technique is called for, one by one.
+    int separate_samples() const { return samples_itself ? 1 : light_samples; }
 };
 
 /// Which exact picture a technique's layer stands for.

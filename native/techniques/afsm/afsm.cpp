@@ -34,7 +34,7 @@ public:
         for (int k = 0; k < samples; ++k) {
             engine.check_cancelled();
             const std::vector<std::uint8_t> visible =
-                samples == 1 ? compute_visibility(engine, task.frame, task.light, task.positions.front())
+                samples == 1 ? compute_visibility(engine, task.frame, task.light, task.sample)
                              : compute_at_offset(engine, task, get_afsm_offset(k, samples));
             for (std::size_t pixel = 0; pixel < lit.size(); ++pixel) lit[pixel] += visible[pixel];
         }
@@ -50,21 +50,21 @@ private:
     std::vector<std::uint8_t> compute_at_offset(Engine& engine, const LightTask& task, glm::dvec2 offset) {
         const auto frame = task.frames.at_offset(offset.x, offset.y);
         const TechniqueNeeds needs = map_needs(task.parameters);
-        const auto positions =
-            make_light_samples(*frame, task.light, {needs.map_size, needs.map_border_texels, 1, needs.light_pattern},
-                               &task.positions, &engine.threads(), &engine.cancel_token());
-        return compute_visibility(engine, *frame, task.light, positions.front());
+        const LightSample sample =
+            fit_light_views(*frame, task.light, task.sample, {needs.map_size, needs.map_border_texels}, &task.sample,
+                            &engine.threads());
+        return compute_visibility(engine, *frame, task.light, sample);
     }
 
     std::vector<std::uint8_t> compute_visibility(Engine& engine, const Frame& frame, const Light& light,
-                                                 const LightSample& position) {
+                                                 const LightSample& sample) {
         {
             const auto timer = engine.time_stage("receiver_tiles");
-            sorter_.sort(frame, light, position, kMostTiles, engine.threads());
+            sorter_.sort(frame, light, sample, kMostTiles, engine.threads());
         }
-        const OcclusionRule rule(frame, position);
-        for (std::size_t view = 0; view < position.views.size(); ++view)
-            lists_.draw(engine, {frame, position.views[view], rule, sorter_.views()[view]}, sorter_.visible());
+        const OcclusionRule rule(frame, sample);
+        for (std::size_t view = 0; view < sample.views.size(); ++view)
+            lists_.draw(engine, {frame, sample.views[view], rule, sorter_.views()[view]}, sorter_.visible());
         return sorter_.visible();
     }
 

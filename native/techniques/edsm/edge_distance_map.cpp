@@ -53,7 +53,7 @@ DrawState sorting_state(EdgeOrder order) {
 }
 
 std::shared_ptr<const EdgeDistanceMap> draw_edge_distance_map(Engine& engine, const MapEdges& found,
-                                                              const LightSample& position, const DepthMap& depth_map,
+                                                              const LightSample& sample, const DepthMap& depth_map,
                                                               const EdgeDistanceOptions& options) {
     const auto timer = engine.time_stage("edge_distance_map");
     const gl::Texture& depth_tx = *depth_map.texture;
@@ -83,7 +83,7 @@ std::shared_ptr<const EdgeDistanceMap> draw_edge_distance_map(Engine& engine, co
         if (std::size_t(layer) >= found.by_view.size()) continue;
         program.use();
         program.set("u_layer", layer);
-        program.set("u_depth_scale", float(compute_edge_depth_scale(position.views[std::size_t(layer)])));
+        program.set("u_depth_scale", float(compute_edge_depth_scale(sample.views[std::size_t(layer)])));
         draw_edge_quads(engine, found.by_view[std::size_t(layer)], sorting_state(options.order));
         made->edge_quads += std::int64_t(found.by_view[std::size_t(layer)].size());
     }
@@ -99,7 +99,7 @@ double compute_edge_depth_scale(const LightView& view) {
 }
 
 std::shared_ptr<const EdgeDistanceMap> render_edge_distance_map(Engine& engine, const Scene& scene,
-                                                                const LightSample& position, const DepthMap& depth_map,
+                                                                const LightSample& sample, const DepthMap& depth_map,
                                                                 const EdgeDistanceOptions& options) {
     const ContentKey key = KeyBuilder("edge_distance_map")
                                .add(depth_map.key)
@@ -111,8 +111,8 @@ std::shared_ptr<const EdgeDistanceMap> render_edge_distance_map(Engine& engine, 
                                .add(options.own_texel_test)
                                .key();
     auto map = engine.stages().get<EdgeDistanceMap>(key, [&] {
-        return draw_edge_distance_map(engine, find_map_edges(engine, scene, position, options.edges), position,
-                                      depth_map, options);
+        return draw_edge_distance_map(engine, find_map_edges(engine, scene, sample, options.edges), sample, depth_map,
+                                      options);
     });
     engine.count("silhouette_edges", map->silhouette_edges);
     engine.count("edge_quads", map->edge_quads);

@@ -34,7 +34,7 @@ double compute_edge_depth_scale(const LightView& view);
 /// Cached by the depth map's key and the options. Counts "silhouette_edges", "edge_quads", "edge_fragments",
 /// "map_bytes".
 std::shared_ptr<const EdgeDistanceMap> render_edge_distance_map(Engine& engine, const Scene& scene,
-                                                                const LightSample& position, const DepthMap& depth_map,
+                                                                const LightSample& sample, const DepthMap& depth_map,
                                                                 const EdgeDistanceOptions& options);
 
 }  // namespace shadow_layers

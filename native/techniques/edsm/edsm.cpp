@@ -44,12 +44,12 @@ public:
     }
 
     void render(Engine& engine, const LightTask& task, LayerOutputs& outputs) override {
-        const LightSample& position = task.positions.front();
+        const LightSample& sample = task.sample;
         const Scene& scene = *task.frame.scene;
         const EdgeDistanceOptions options = edsm_edge_options(task.parameters);
         const double slope = is_thesis(task.parameters) ? kThesisSlopeFactor : kReceiverPlaneSlopeFactor;
-        const auto depth_map = render_depth_map(engine, scene, position, slope);
-        const auto edge_map = render_edge_distance_map(engine, scene, position, *depth_map, options);
+        const auto depth_map = render_depth_map(engine, scene, sample, slope);
+        const auto edge_map = render_edge_distance_map(engine, scene, sample, *depth_map, options);
         const auto bind = [&] {
             depth_map->texture->bind(kDepthMapUnit);
             edge_map->texture->bind(kEdgeMapUnit);
@@ -58,7 +58,7 @@ public:
         };
         outputs.set("visibility", resolve_.run(engine, {.frame = task.frame,
                                                         .light = task.light,
-                                                        .position = position,
+                                                        .sample = sample,
                                                         .program = *program_,
                                                         .work_per_pixel = 8,
                                                         .bind_inputs = bind}));

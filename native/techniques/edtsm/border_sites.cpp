@@ -35,7 +35,7 @@ bool has_size(const Light& light) {
     return light.radius > 0;
 }
 
-PenumbraParams make_penumbra_params(const PenumbraSettings& settings, const Light& light, const LightSample& position) {
+PenumbraParams make_penumbra_params(const PenumbraSettings& settings, const Light& light, const LightSample& sample) {
     PenumbraParams params{};
     params.width = glm::vec4(float(settings.width), float(settings.width_px), float(settings.filter), 0.0f);
     if (light.kind == LightKind::Area) {
@@ -47,8 +47,8 @@ PenumbraParams make_penumbra_params(const PenumbraSettings& settings, const Ligh
         const double radius = light.kind == LightKind::Sun ? sun_radius(light) : light.radius;
         params.light_u = glm::vec4(float(radius), 0.0f, 0.0f, kDiscShape);
     }
-    for (std::size_t layer = 0; layer < std::min<std::size_t>(position.views.size(), kMaxViews); ++layer) {
-        const LightView& view = position.views[layer];
+    for (std::size_t layer = 0; layer < std::min<std::size_t>(sample.views.size(), kMaxViews); ++layer) {
+        const LightView& view = sample.views[layer];
         params.map_depths[layer] =
             glm::vec4(float(view.near_ls), float(view.far_ls), view.perspective ? 1.0f : 0.0f, 0.0f);
     }
@@ -56,11 +56,11 @@ PenumbraParams make_penumbra_params(const PenumbraSettings& settings, const Ligh
 }
 
 void PenumbraBlocks::bind(Engine& engine, const LightTask& task, const PenumbraSettings& settings) {
-    const LightSample& position = task.positions.front();
-    write_block(engine, light_buf_, make_light_params(task.frame, task.light, position), kLightParamsSlot,
+    const LightSample& sample = task.sample;
+    write_block(engine, light_buf_, make_light_params(task.frame, task.light, sample), kLightParamsSlot,
                 "light params");
     write_block(engine, camera_buf_, make_pixel_camera(task.frame), kPixelCameraSlot, "pixel camera");
-    write_block(engine, penumbra_buf_, make_penumbra_params(settings, task.light, position), kPenumbraParamsSlot,
+    write_block(engine, penumbra_buf_, make_penumbra_params(settings, task.light, sample), kPenumbraParamsSlot,
                 "penumbra params");
 }
 

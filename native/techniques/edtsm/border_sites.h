@@ -26,7 +26,7 @@ struct PenumbraSettings {
 /// False: from a light without size nothing gets soft.
 bool has_size(const Light& light);
 
-PenumbraParams make_penumbra_params(const PenumbraSettings& settings, const Light& light, const LightSample& position);
+PenumbraParams make_penumbra_params(const PenumbraSettings& settings, const Light& light, const LightSample& sample);
 
 /// Finds the sites of a hard shadow's border: pixels with a neighbour on the same surface that the map answers
 /// differently. Kept by a technique between frames.

@@ -80,7 +80,7 @@ public:
             return;
         }
         std::shared_ptr<const DepthMap> map;
-        if (settings_.from_light) map = render_depth_map(engine, *task.frame.scene, task.positions.front());
+        if (settings_.from_light) map = render_depth_map(engine, *task.frame.scene, task.sample);
         blocks_.bind(engine, task, settings_);
         const auto sites = sites_.find(engine, task.frame, settings_, hard_tx, map ? map->texture.get() : nullptr);
         engine.count("border_sites", sites.site_count);

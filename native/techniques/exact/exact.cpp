@@ -19,8 +19,8 @@ public:
     void prepare(Engine&, const ParameterValues&) override {}
 
     void render(Engine& engine, const LightTask& task, LayerOutputs& outputs) override {
-        const auto& visible = visibility_.compute(engine, task.frame, task.light, task.positions.front(),
-                                                  int(task.parameters.get_int("map_size")));
+        const auto& visible =
+            visibility_.compute(engine, task.frame, task.light, task.sample, int(task.parameters.get_int("map_size")));
         Image image{task.frame.width, task.frame.height, 1, std::vector<float>(visible.begin(), visible.end())};
         outputs.set("visibility", std::move(image));
     }

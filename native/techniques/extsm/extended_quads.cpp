@@ -128,16 +128,16 @@ bool make_quad(const LightView& view, glm::dvec4 start_lc, glm::dvec4 end_lc, gl
     return true;
 }
 
-ExtendedQuads find_extended_quads(Engine& engine, const Scene& scene, const LightSample& position) {
+ExtendedQuads find_extended_quads(Engine& engine, const Scene& scene, const LightSample& sample) {
     const auto timer = engine.time_stage("silhouettes");
     std::set<std::uint32_t> casters;
-    for (const LightView& view : position.views) casters.insert(view.casters.begin(), view.casters.end());
+    for (const LightView& view : sample.views) casters.insert(view.casters.begin(), view.casters.end());
     const LightPoint light =
-        position.directional ? LightPoint(position.to_light_ws, 0.0) : LightPoint(position.position_ws, 1.0);
+        sample.directional ? LightPoint(sample.to_light_ws, 0.0) : LightPoint(sample.position_ws, 1.0);
     // What the light grazes from inside a solid, and what another facet carries on, borders no shadow.
     const SilhouetteOptions options{.skip_concave = true, .skip_two_sided = true};
     ExtendedQuads result;
-    result.by_view.resize(position.views.size());
+    result.by_view.resize(sample.views.size());
     for (const std::uint32_t number : casters) {
         engine.check_cancelled();
         const Instance& instance = scene.instances[number];
@@ -147,8 +147,8 @@ ExtendedQuads find_extended_quads(Engine& engine, const Scene& scene, const Ligh
         item.edges = find_silhouettes(mesh, mesh_edges, instance.world_from_object, light, options, &engine.threads());
         result.silhouette_edges += std::int64_t(item.edges.size());
         result.bevelled_edges += find_extrusions(scene, light, item);
-        for (std::size_t v = 0; v < position.views.size(); ++v) {
-            const LightView& view = position.views[v];
+        for (std::size_t v = 0; v < sample.views.size(); ++v) {
+            const LightView& view = sample.views[v];
             if (!std::binary_search(view.casters.begin(), view.casters.end(), number)) continue;
             const glm::dmat4 lc_from_object = view.lc_from_ws * instance.world_from_object;
             for (std::size_t e = 0; e < item.edges.size(); ++e) {

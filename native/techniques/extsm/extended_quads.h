@@ -45,6 +45,6 @@ struct ExtendedQuads {
     std::int64_t silhouette_edges = 0;               ///< found, before any view cuts them
     std::int64_t bevelled_edges = 0;                 ///< of facets at less than 90 degrees
 };
-ExtendedQuads find_extended_quads(Engine& engine, const Scene& scene, const LightSample& position);
+ExtendedQuads find_extended_quads(Engine& engine, const Scene& scene, const LightSample& sample);
 
 }  // namespace shadow_layers

@@ -69,7 +69,7 @@ void draw_layers(Engine& engine, const gl::Program& program, const DepthMap& dep
 }  // namespace
 
 std::shared_ptr<const ExtendedShadowMap> render_extended_shadow_map(Engine& engine, const Scene& scene,
-                                                                    const LightSample& position,
+                                                                    const LightSample& sample,
                                                                     const DepthMap& depth_map,
                                                                     const ExtendedMapOptions& options) {
     KeyBuilder builder("extended_map");
@@ -78,7 +78,7 @@ std::shared_ptr<const ExtendedShadowMap> render_extended_shadow_map(Engine& engi
     const auto draw_forced = [&] {
         auto made = std::make_shared<ExtendedShadowMap>();
         const MapEdges found = find_map_edges(
-            engine, scene, position,
+            engine, scene, sample,
             {.silhouettes = {.skip_concave = true, .skip_two_sided = true}, .reach_texels = options.reach_texels()});
         made->silhouette_edges = found.silhouette_edges;
         for (const auto& edges : found.by_view) made->edge_quads += std::int64_t(edges.size());
@@ -91,7 +91,7 @@ std::shared_ptr<const ExtendedShadowMap> render_extended_shadow_map(Engine& engi
     };
     const auto draw_extruded = [&] {
         auto made = std::make_shared<ExtendedShadowMap>();
-        const ExtendedQuads found = find_extended_quads(engine, scene, position);
+        const ExtendedQuads found = find_extended_quads(engine, scene, sample);
         made->silhouette_edges = found.silhouette_edges;
         made->bevelled_edges = found.bevelled_edges;
         for (const auto& quads : found.by_view) made->edge_quads += std::int64_t(quads.size());

@@ -30,7 +30,7 @@ struct ExtendedMapOptions {
 /// Cached by the depth map's key and the options. Counts "silhouette_edges", "bevelled_edges", "edge_quads",
 /// "map_bytes".
 std::shared_ptr<const ExtendedShadowMap> render_extended_shadow_map(Engine& engine, const Scene& scene,
-                                                                    const LightSample& position,
+                                                                    const LightSample& sample,
                                                                     const DepthMap& depth_map,
                                                                     const ExtendedMapOptions& options);
 

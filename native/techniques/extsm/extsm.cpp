@@ -48,12 +48,12 @@ public:
     }
 
     void render(Engine& engine, const LightTask& task, LayerOutputs& outputs) override {
-        const LightSample& position = task.positions.front();
+        const LightSample& sample = task.sample;
         const Scene& scene = *task.frame.scene;
         const ExtendedMapOptions options = map_options(task.parameters);
         const auto depth_map =
-            render_depth_map(engine, scene, position, options.forced ? kReceiverPlaneSlopeFactor : kPaperSlopeFactor);
-        const auto edge_map = render_extended_shadow_map(engine, scene, position, *depth_map, options);
+            render_depth_map(engine, scene, sample, options.forced ? kReceiverPlaneSlopeFactor : kPaperSlopeFactor);
+        const auto edge_map = render_extended_shadow_map(engine, scene, sample, *depth_map, options);
         const auto bind = [&] {
             depth_map->texture->bind(kDepthMapUnit);
             edge_map->values->bind(kEdgeMapUnit);
@@ -63,7 +63,7 @@ public:
         };
         const gl::Texture& visibility = resolve_.run(engine, {.frame = task.frame,
                                                               .light = task.light,
-                                                              .position = position,
+                                                              .sample = sample,
                                                               .program = *program_,
                                                               .work_per_pixel = options.forced ? 6.0 : 3.0,
                                                               .bind_inputs = bind});
@@ -79,7 +79,7 @@ private:
         };
         return attenuation_.run(engine, {.frame = task.frame,
                                          .light = task.light,
-                                         .position = task.positions.front(),
+                                         .sample = task.sample,
                                          .program = *attenuation_program_,
                                          .bind_inputs = bind});
     }

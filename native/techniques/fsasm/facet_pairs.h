@@ -28,7 +28,7 @@ struct SilhouetteFacet {
 /// Pixels whose facet covers a silhouette texel ([Pan09] 3.3), in the order of pixels. Also those that the rim of the
 /// light's cone cuts, and those beside a pixel of other `visibility` (of the pixels' centres): no silhouette marks the
 /// border where a caster passes through the receiver. `masks`: one per view.
-std::vector<SilhouetteFacet> find_silhouette_facets(const Frame& frame, const Light& light, const LightSample& position,
+std::vector<SilhouetteFacet> find_silhouette_facets(const Frame& frame, const Light& light, const LightSample& sample,
                                                     std::span<const SilhouetteMask> masks,
                                                     std::span<const float> visibility, const SamplePlaces& places,
                                                     ThreadPool& threads);

@@ -75,15 +75,15 @@ public:
 
     void render(Engine& engine, const LightTask& task, LayerOutputs& outputs) override {
         const Frame& frame = task.frame;
-        const LightSample& position = task.positions.front();
+        const LightSample& sample = task.sample;
         Image image{frame.width, frame.height, 1, interior_.render(engine, task).download<float>()};
-        const std::vector<SilhouetteMask> masks = make_masks(engine, *frame.scene, position);
+        const std::vector<SilhouetteMask> masks = make_masks(engine, *frame.scene, sample);
         std::vector<SilhouetteFacet> facets;
         {
             const auto timer = engine.time_stage("facets");
-            facets = find_silhouette_facets(frame, task.light, position, masks, image.data, places_, engine.threads());
+            facets = find_silhouette_facets(frame, task.light, sample, masks, image.data, places_, engine.threads());
         }
-        const OcclusionRule rule(frame, position);
+        const OcclusionRule rule(frame, sample);
         std::size_t pair_bytes = 0;
         for (std::size_t begin = 0, end = 0; begin < facets.size(); begin = end) {
             std::size_t texels = 0;
@@ -97,19 +97,19 @@ public:
     }
 
 private:
-    std::vector<SilhouetteMask> make_masks(Engine& engine, const Scene& scene, const LightSample& position) {
-        if (position.views.empty()) return {};
-        const auto depth_map = render_depth_map(engine, scene, position);
+    std::vector<SilhouetteMask> make_masks(Engine& engine, const Scene& scene, const LightSample& sample) {
+        if (sample.views.empty()) return {};
+        const auto depth_map = render_depth_map(engine, scene, sample);
         MapEdgeOptions options;
         options.reach_texels = 1;
         options.silhouettes.skip_concave = true;  // no border of a shadow
-        const MapEdges found = find_map_edges(engine, scene, position, options);
+        const MapEdges found = find_map_edges(engine, scene, sample, options);
         const auto timer = engine.time_stage("silhouette_mask");
         const std::vector<float> depths = depth_map->texture->download<float>();
         std::vector<SilhouetteMask> masks;
-        for (std::size_t view = 0; view < position.views.size(); ++view) {
+        for (std::size_t view = 0; view < sample.views.size(); ++view) {
             engine.check_cancelled();
-            const int side = position.views[view].size_texels;
+            const int side = sample.views[view].size_texels;
             const std::size_t texels = std::size_t(side) * std::size_t(side);
             masks.emplace_back(side, mark_silhouette_texels(found.by_view[view], side,
                                                             std::span(depths).subspan(view * texels, texels)));
@@ -126,7 +126,7 @@ private:
         std::size_t pair_bytes = 0;
         const facet_kernel::Samples samples{places_.count, places_.x.data(), places_.y.data(), table_.get(), look_up};
         const FacetContacts contacts(task.frame, rule, samples, find_validity(task.parameters));
-        for (const LightView& view : task.positions.front().views) {
+        for (const LightView& view : task.sample.views) {
             engine.check_cancelled();
             PixelTexelPairs pairs;
             {

@@ -33,18 +33,18 @@ ClipSpace make_clip_space(const LightView& view, const glm::dvec3& origin_ws) {
 
 class FacetFinder {
 public:
-    FacetFinder(const Frame& frame, const Light& light, const LightSample& position,
+    FacetFinder(const Frame& frame, const Light& light, const LightSample& sample,
                 std::span<const SilhouetteMask> masks, std::span<const float> visibility, const SamplePlaces& places)
         : frame_(frame),
-          position_(position),
+          sample_(sample),
           masks_(masks),
           visibility_(visibility),
           places_(places),
-          rule_(frame, light, position),
+          rule_(frame, light, sample),
           rays_(frame.camera, frame.width, frame.height),
           maker_(frame) {
-        for (const LightView& view : position.views) spaces_.push_back(make_clip_space(view, frame.origin_ws));
-        has_cone_ = position.cone_cos > -1;
+        for (const LightView& view : sample.views) spaces_.push_back(make_clip_space(view, frame.origin_ws));
+        has_cone_ = sample.cone_cos > -1;
         origin_step_ = 0.5 * (glm::length(rays_.origin_dx) + glm::length(rays_.origin_dy));
         direction_step_ = 0.5 * (glm::length(rays_.direction_dx) + glm::length(rays_.direction_dy));
     }
@@ -158,16 +158,16 @@ private:
     }
 
     glm::dvec3 find_to_light(const glm::dvec4& rel) const {
-        if (position_.directional) return position_.to_light_ws;
-        return position_.position_ws - frame_.origin_ws - glm::dvec3(rel) / rel.w;
+        if (sample_.directional) return sample_.to_light_ws;
+        return sample_.position_ws - frame_.origin_ws - glm::dvec3(rel) / rel.w;
     }
 
     /// Does the cone's surface come nearer than that to the place?
     bool is_cut_by_cone(const glm::dvec3& place_rel, double reach) const {
         const glm::dvec3 to_light = find_to_light(glm::dvec4(place_rel, 1));
-        const glm::dvec2 across(glm::dot(position_.axes_ws[0], to_light), glm::dot(position_.axes_ws[1], to_light));
-        const double along = glm::dot(position_.axes_ws[2], to_light);
-        return std::abs(glm::length(across) * position_.cone_cos - along * position_.cone_sin) <= reach;
+        const glm::dvec2 across(glm::dot(sample_.axes_ws[0], to_light), glm::dot(sample_.axes_ws[1], to_light));
+        const double along = glm::dot(sample_.axes_ws[2], to_light);
+        return std::abs(glm::length(across) * sample_.cone_cos - along * sample_.cone_sin) <= reach;
     }
 
     SampleMask find_outside(const SquareForm& rel) const {
@@ -180,7 +180,7 @@ private:
     }
 
     const Frame& frame_;
-    const LightSample& position_;
+    const LightSample& sample_;
     std::span<const SilhouetteMask> masks_;
     std::span<const float> visibility_;
     const SamplePlaces& places_;
@@ -195,11 +195,11 @@ private:
 
 }  // namespace
 
-std::vector<SilhouetteFacet> find_silhouette_facets(const Frame& frame, const Light& light, const LightSample& position,
+std::vector<SilhouetteFacet> find_silhouette_facets(const Frame& frame, const Light& light, const LightSample& sample,
                                                     std::span<const SilhouetteMask> masks,
                                                     std::span<const float> visibility, const SamplePlaces& places,
                                                     ThreadPool& threads) {
-    return FacetFinder(frame, light, position, masks, visibility, places).find(threads);
+    return FacetFinder(frame, light, sample, masks, visibility, places).find(threads);
 }
 
 }  // namespace shadow_layers

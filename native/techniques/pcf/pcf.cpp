@@ -44,9 +44,9 @@ public:
     }
 
     void render(Engine& engine, const LightTask& task, LayerOutputs& outputs) override {
-        const LightSample& position = task.positions.front();
+        const LightSample& sample = task.sample;
         const double kernel = double(task.parameters.get_int("kernel"));
-        const auto map = render_depth_map(engine, *task.frame.scene, position);
+        const auto map = render_depth_map(engine, *task.frame.scene, sample);
         const int reach = window_reach(task.parameters);
         const auto ranges =
             task.parameters.get_bool("early_out") ? render_depth_range_map(engine, *map, reach) : nullptr;
@@ -60,7 +60,7 @@ public:
             "visibility",
             resolve_.run(engine, {.frame = task.frame,
                                   .light = task.light,
-                                  .position = position,
+                                  .sample = sample,
                                   .program = *program_,
                                   .work_per_pixel = kernel * kernel * (task.parameters.get_bool("bilinear") ? 4 : 1),
                                   .bind_inputs = bind}));

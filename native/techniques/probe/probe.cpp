@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: 2026 Shadow Layers contributors
 // SPDX-License-Identifier: GPL-3.0-or-later
 // A test-only technique that uses every feature of the interface at once, as later techniques will one by one:
-//   - several views (cube faces, positions) are merged before a camera-space stage works on the picture;
+//   - several views (cube faces) are merged before a camera-space stage works on the picture;
 //   - that stage reads past the region's rim, so it asks for overscan;
 //   - a CPU stage works beside the GL ones, on the thread pool;
 //   - many samples per pixel, from frames at sub-pixel offsets;
@@ -58,19 +58,17 @@ public:
     }
 
 private:
-    /// Adds the views of all positions, each position with the same weight.
+    /// All views of the light's sample.
     void merge_views(Engine& engine, const LightTask& task, const Frame& frame, SumPicture& sum) {
         sum.clear(engine, frame.width, frame.height);
-        for (const LightSample& position : task.positions) {
-            const auto map = render_depth_map(engine, *frame.scene, position);
-            const gl::Texture& one = resolve_.run(engine, {.frame = frame,
-                                                           .light = task.light,
-                                                           .position = position,
-                                                           .program = *resolve_program_,
-                                                           .bind_inputs = [&] { map->texture->bind(kDepthMapUnit); }});
-            const auto timer = engine.time_stage("probe_merge");
-            sum.add(engine, one, 1.0f / float(task.positions.size()));
-        }
+        const auto map = render_depth_map(engine, *frame.scene, task.sample);
+        const gl::Texture& one = resolve_.run(engine, {.frame = frame,
+                                                       .light = task.light,
+                                                       .sample = task.sample,
+                                                       .program = *resolve_program_,
+                                                       .bind_inputs = [&] { map->texture->bind(kDepthMapUnit); }});
+        const auto timer = engine.time_stage("probe_merge");
+        sum.add(engine, one, 1.0f);
     }
 
     /// Mean of the frame at the middles of a 2 x 2 grid in each pixel.
@@ -156,8 +154,7 @@ TechniqueDescriptor describe_probe() {
     d.summary = "Uses every feature of the technique interface; for tests only";
     d.reference = "Williams78";
     d.parameters = {map_size_parameter(),
-                    int_parameter("blur", "Blur", "px", "Radius of the box filter over the picture", 0, 16, 2),
-                    int_parameter("positions", "Positions", "", "Points sampled on the light's shape", 1, 16, 2)};
+                    int_parameter("blur", "Blur", "px", "Radius of the box filter over the picture", 0, 16, 2)};
     d.outputs = visibility_output();
     d.outputs.push_back({"merged", "Merged", 1, "All views merged, before the filter"});
     d.outputs.push_back({"contrast", "Contrast", 1, "Range of the merged picture over a pixel and its neighbours"});
@@ -170,7 +167,6 @@ TechniqueDescriptor describe_probe() {
     d.needs = [](const ParameterValues& values) {
         TechniqueNeeds needs = map_needs(values);
         needs.overscan_px = std::max(1, int(values.get_int("blur")));  // the contrast looks one pixel far
-        needs.light_samples = int(values.get_int("positions"));
         return needs;
     };
     return d;

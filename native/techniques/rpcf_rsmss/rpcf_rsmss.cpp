@@ -30,7 +30,7 @@ public:
     }
 
     void render(Engine& engine, const LightTask& task, LayerOutputs& outputs) override {
-        outputs.set("visibility", filter_.run(engine, task.frame, task.light, task.positions.front()));
+        outputs.set("visibility", filter_.run(engine, task.frame, task.light, task.sample));
     }
 
 private:

@@ -21,11 +21,11 @@ public:
     }
 
     void render(Engine& engine, const LightTask& task, LayerOutputs& outputs) override {
-        const LightSample& position = task.positions.front();
-        const auto map = render_depth_map(engine, *task.frame.scene, position);
+        const LightSample& sample = task.sample;
+        const auto map = render_depth_map(engine, *task.frame.scene, sample);
         outputs.set("visibility", resolve_.run(engine, {.frame = task.frame,
                                                         .light = task.light,
-                                                        .position = position,
+                                                        .sample = sample,
                                                         .program = *program_,
                                                         .bind_inputs = [&] { map->texture->bind(kDepthMapUnit); }}));
     }

@@ -43,12 +43,12 @@ public:
     }
 
     void render(Engine& engine, const LightTask& task, LayerOutputs& outputs) override {
-        const LightSample& position = task.positions.front();
-        const auto map = render_depth_map(engine, *task.frame.scene, position);
+        const LightSample& sample = task.sample;
+        const auto map = render_depth_map(engine, *task.frame.scene, sample);
         const gl::Texture& records =
             record_pass_.run(engine, {.frame = task.frame,
                                       .light = task.light,
-                                      .position = position,
+                                      .sample = sample,
                                       .program = *discontinuities_,
                                       .format = GL_R32UI,
                                       .work_per_pixel = kReadsPerRecord,
@@ -56,7 +56,7 @@ public:
         engine.count("discontinuity_bytes", std::int64_t(records.byte_size()));
         outputs.set("visibility", resolve_.run(engine, {.frame = task.frame,
                                                         .light = task.light,
-                                                        .position = position,
+                                                        .sample = sample,
                                                         .program = *decider_,
                                                         .second_program = walker_,
                                                         .second_work_per_pixel = kReadsPerStep * settings_.walk_limit,

@@ -25,6 +25,7 @@ public:
         SoftSettings settings;
         settings.light_samples = int(task.parameters.get_int("light_samples"));
         settings.is_rotated = task.parameters.get_enum("pattern") == "rotated";
+        settings.picture_sample = task.picture_sample;
         outputs.set("visibility", Image{task.frame.width, task.frame.height, 1,
                                         compute_soft_visibility(engine, task.frame, task.light, settings)});
     }
@@ -53,6 +54,7 @@ TechniqueDescriptor describe_soft() {
         TechniqueNeeds needs;
         needs.light_samples = int(values.get_int("light_samples"));
         needs.light_pattern = LightPattern::Spiral;
+        needs.samples_itself = true;
         return needs;
     };
     d.truth = [](const ParameterValues&) { return TruthSpec{TruthKind::Soft}; };

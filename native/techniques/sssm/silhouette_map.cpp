@@ -54,13 +54,13 @@ std::shared_ptr<const SilhouetteMap> draw_silhouette_map(Engine& engine, const M
 }  // namespace
 
 std::shared_ptr<const SilhouetteMap> render_silhouette_map(Engine& engine, const Scene& scene,
-                                                           const LightSample& position, const DepthMap& depth_map) {
+                                                           const LightSample& sample, const DepthMap& depth_map) {
     MapEdgeOptions options;
     options.reach_texels = kReachTexels + 0.5;
     options.silhouettes.skip_concave = true;  // no border of a shadow
     const ContentKey key = KeyBuilder("silhouette_map").add(depth_map.key).key();
     auto map = engine.stages().get<SilhouetteMap>(
-        key, [&] { return draw_silhouette_map(engine, find_map_edges(engine, scene, position, options), depth_map); });
+        key, [&] { return draw_silhouette_map(engine, find_map_edges(engine, scene, sample, options), depth_map); });
     engine.count("silhouette_edges", map->silhouette_edges);
     engine.count("edge_quads", map->edge_quads);
     engine.count("map_bytes", std::int64_t(map->byte_size()));

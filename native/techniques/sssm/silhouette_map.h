@@ -21,6 +21,6 @@ struct SilhouetteMap {
 
 /// Cached by the depth map's key. Counts "silhouette_edges", "edge_quads", "map_bytes".
 std::shared_ptr<const SilhouetteMap> render_silhouette_map(Engine& engine, const Scene& scene,
-                                                           const LightSample& position, const DepthMap& depth_map);
+                                                           const LightSample& sample, const DepthMap& depth_map);
 
 }  // namespace shadow_layers

@@ -22,17 +22,17 @@ public:
     }
 
     void render(Engine& engine, const LightTask& task, LayerOutputs& outputs) override {
-        const LightSample& position = task.positions.front();
+        const LightSample& sample = task.sample;
         const Scene& scene = *task.frame.scene;
-        const auto depth_map = render_depth_map(engine, scene, position);
-        const auto silhouette_map = render_silhouette_map(engine, scene, position, *depth_map);
+        const auto depth_map = render_depth_map(engine, scene, sample);
+        const auto silhouette_map = render_silhouette_map(engine, scene, sample, *depth_map);
         const auto bind = [&] {
             depth_map->texture->bind(kDepthMapUnit);
             silhouette_map->texture->bind(kEdgeMapUnit);
         };
         outputs.set("visibility", resolve_.run(engine, {.frame = task.frame,
                                                         .light = task.light,
-                                                        .position = position,
+                                                        .sample = sample,
                                                         .program = *program_,
                                                         .work_per_pixel = 9,
                                                         .bind_inputs = bind}));

@@ -21,7 +21,7 @@ public:
     void prepare(Engine&, const ParameterValues&) override {}
 
     void render(Engine& engine, const LightTask& task, LayerOutputs& outputs) override {
-        VolumeCounter counter(engine, task.frame, task.light, task.positions.front());
+        VolumeCounter counter(engine, task.frame, task.light, task.sample);
         outputs.set("visibility", Image{task.frame.width, task.frame.height, 1, counter.compute_visibility()});
     }
 };

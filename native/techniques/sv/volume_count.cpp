@@ -21,11 +21,11 @@ constexpr double kDoubleError = 4e-15;
 
 }  // namespace
 
-VolumeCounter::VolumeCounter(Engine& engine, const Frame& frame, const Light& light, const LightSample& position)
+VolumeCounter::VolumeCounter(Engine& engine, const Frame& frame, const Light& light, const LightSample& sample)
     : engine_(engine),
       frame_(frame),
       light_(light),
-      position_(position),
+      sample_(sample),
       picture_(frame.camera, frame.width, frame.height) {}
 
 std::vector<float> VolumeCounter::compute_visibility() {
@@ -51,8 +51,8 @@ std::vector<float> VolumeCounter::compute_visibility() {
 
 /// False if no pixel asks.
 bool VolumeCounter::find_receivers() {
-    const FacingRule facing(frame_, light_, position_);
-    const OcclusionRule rule(frame_, position_);
+    const FacingRule facing(frame_, light_, sample_);
+    const OcclusionRule rule(frame_, sample_);
     const std::size_t width = std::size_t(frame_.width), height = std::size_t(frame_.height);
     visibility_.resize(frame_.pixel_count());
     counts_.assign(frame_.pixel_count(), 0);
@@ -95,7 +95,7 @@ void VolumeCounter::draw_instance(std::uint32_t instance) {
     const std::uint32_t mesh = frame_.scene->instances[instance].mesh;
     if (!edges_.contains(mesh))
         edges_[mesh] = engine_.mesh_data().get_edges(*frame_.scene->meshes[mesh], &engine_.threads());
-    const CasterVolumes volumes(frame_, position_, picture_, instance, edges_.at(mesh), engine_.threads());
+    const CasterVolumes volumes(frame_, sample_, picture_, instance, edges_.at(mesh), engine_.threads());
     engine_.count("silhouette_edges", std::int64_t(volumes.side_count()));
     for (std::size_t begin = 0; begin < volumes.size();) {
         const std::size_t count = std::min(volumes.size() - begin, kChunk - used_);

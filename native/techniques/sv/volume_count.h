@@ -19,7 +19,7 @@ namespace shadow_layers {
 /// inside of volumes and of solids.
 class VolumeCounter {
 public:
-    VolumeCounter(Engine& engine, const Frame& frame, const Light& light, const LightSample& position);
+    VolumeCounter(Engine& engine, const Frame& frame, const Light& light, const LightSample& sample);
 
     /// 1 = the light reaches the receiver, by pixel; by lights/facing.h where no caster decides.
     /// Counts "receivers", "list_bytes", "silhouette_edges", "volume_quads" and "cap_triangles" (of those that the
@@ -43,7 +43,7 @@ private:
     Engine& engine_;
     const Frame& frame_;
     const Light& light_;
-    const LightSample& position_;
+    const LightSample& sample_;
     PictureSpace picture_;
     std::map<std::uint32_t, MeshEdges> edges_;  ///< by mesh
     std::vector<float> visibility_;

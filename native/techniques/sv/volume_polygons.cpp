@@ -17,19 +17,18 @@ double sum_abs(const glm::dvec3& v) { return std::abs(v.x) + std::abs(v.y) + std
 
 }  // namespace
 
-CasterVolumes::CasterVolumes(const Frame& frame, const LightSample& position, const PictureSpace& picture,
+CasterVolumes::CasterVolumes(const Frame& frame, const LightSample& sample, const PictureSpace& picture,
                              std::uint32_t instance, const MeshEdges& edges, ThreadPool& threads)
     : mesh_(*frame.scene->meshes[frame.scene->instances[instance].mesh]),
       adjacency_(*edges.adjacency),
       picture_(picture),
       instance_(instance),
-      directional_(position.directional),
-      light_rel_(directional_ ? position.to_light_ws : position.position_ws - frame.origin_ws),
+      directional_(sample.directional),
+      light_rel_(directional_ ? sample.to_light_ws : sample.position_ws - frame.origin_ws),
       linear_(frame.scene->instances[instance].world_from_object),
       offset_rel_(glm::dvec3(frame.scene->instances[instance].world_from_object[3]) - frame.origin_ws) {
     const glm::dmat4& world_from_object = frame.scene->instances[instance].world_from_object;
-    const LightPoint light =
-        directional_ ? LightPoint(position.to_light_ws, 0.0) : LightPoint(position.position_ws, 1.0);
+    const LightPoint light = directional_ ? LightPoint(sample.to_light_ws, 0.0) : LightPoint(sample.position_ws, 1.0);
     light_in_object_ = compute_light_in_object(world_from_object, light);
     if (light_in_object_ == glm::dvec4(0)) return;  // flat as the light sees it
     silhouettes_ = find_silhouettes(mesh_, edges, world_from_object, light, {}, &threads);

@@ -36,7 +36,7 @@ struct VolumePolygon {
 /// sides where volumes touch cancel, so that what is left are those at the silhouette edges.
 class CasterVolumes {
 public:
-    CasterVolumes(const Frame& frame, const LightSample& position, const PictureSpace& picture, std::uint32_t instance,
+    CasterVolumes(const Frame& frame, const LightSample& sample, const PictureSpace& picture, std::uint32_t instance,
                   const MeshEdges& edges, ThreadPool& threads);
 
     /// Polygons by number: sides, then caps, then far caps (none of a sun: its volumes have no width at infinity).

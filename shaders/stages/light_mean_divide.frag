@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 Shadow Layers contributors
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The weighted mean. Lit by all positions gives 1 to the bit: both sums are then the same.
+// The weighted mean. Lit by all samples gives 1 to the bit: both sums are then the same.
 layout(binding = 0) uniform sampler2D sums_tx;
 layout(location = 0) out float visibility;
 
