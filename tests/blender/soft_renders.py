@@ -15,10 +15,10 @@ from pathlib import Path
 import bpy
 import numpy as np
 
-kFull, kSmall = (1280, 720), (480, 270)
+kFull, kSmall = (1280, 720), (400, 225)
 kLightSamples = 64
-kTruthSamples = 2048
-kMostSamples = 1024
+kTruthSamples = 512
+kMostSamples = 512
 kRepeats = 5
 kDenoiserSeed, kPlainSeed = 900, 700  # none of the truth's
 

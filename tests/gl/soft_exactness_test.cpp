@@ -154,6 +154,47 @@ TEST_F(SoftExactness, EqualsRaysWithTheLightAmongTheCasters) {
             }
 }
 
+struct StrangeLight {
+    const char* what;
+    LightKind kind;
+    double size;
+    glm::dvec3 place, target;
+    bool is_tie = false;  ///< the light lies in a receiver's plane: faces and sight lines along it may be told either way
+};
+
+TEST_F(SoftExactness, EqualsRaysUnderStrangeLights) {
+    const SceneView scene = random_scene(21, 96, 54);
+    const glm::dvec3 eye(scene.camera.world_from_camera[3]);
+    const StrangeLight lights[] = {
+        {"next to no size", LightKind::Point, 1e-9, {2, 1.5, 4}, {0, 0, 0}},
+        {"next to no size", LightKind::Area, 1e-9, {2, 1.5, 4}, {0, 0, 0}},
+        {"next to no size", LightKind::Sun, 1e-9, {2, 1.5, 4}, {0, 0, 0}},
+        {"larger than the scene", LightKind::Point, 60, {5, 4, 40}, {0, 0, 0}},
+        {"larger than the scene", LightKind::Area, 60, {1, 1, 6}, {0, 0, 0}},
+        {"half the sky", LightKind::Sun, 1e3, {2, 1.5, 4}, {0, 0, 0}},
+        {"around the camera", LightKind::Point, 1.5, eye, {0, 0, 0}},
+        {"around the camera", LightKind::Area, 1.5, eye + glm::dvec3(0.01, 0, 0.02), {0, 0, 0}},
+        {"around receivers", LightKind::Point, 2.0, {0.3, 0.2, 0.6}, {0, 0, 0}},
+        {"around receivers", LightKind::Spot, 2.0, {0.3, 0.2, 0.6}, {0, 0, -3}},
+        {"touches the floor", LightKind::Point, 1.0, {1.8, -1.4, 0.5}, {0, 0, 0}},
+        {"through the floor", LightKind::Area, 1.5, {1.8, -1.4, 0.1}, {0, 0, 0.1}},
+        {"edge-on to the floor", LightKind::Area, 1.5, {3, 0, 1.2}, {0, 0, 1.2}},
+        {"in the floor", LightKind::Area, 1.0, {1.8, -1.4, 0}, {1.8, -1.4, 1}, true},
+        {"on the floor, downwards", LightKind::Area, 1.0, {1.8, -1.4, 0}, {1.8, -1.4, -1}, true},
+    };
+    for (const StrangeLight& item : lights) {
+        Light light = make_light(item.kind, item.place, item.target, 120);
+        light.radius = 0.5 * item.size, light.area_size = glm::dvec2(item.size, 0.7 * item.size);
+        light.sun_angle = std::min(item.size, 3.1);
+        const SoftComparison found = compare_soft(runner_, scene, light, 32);
+        EXPECT_EQ(found.wrong, 0u) << item.what << ", kind " << int(item.kind);
+        if (item.is_tie) continue;
+        EXPECT_LE(found.ties, 2 + found.bits / 20000) << item.what;
+        EXPECT_GT(found.lit + found.penumbra, 200u) << item.what;
+        EXPECT_GT(found.dark + found.penumbra, 200u) << item.what;
+    }
+}
+
 TEST_F(SoftExactness, LinkingLeavesOutCastersAndReceivers) {
     SceneView view = random_scene(6, 160, 90);
     for (std::size_t i = 0; i < view.scene->instances.size(); ++i) {
