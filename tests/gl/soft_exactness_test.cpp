@@ -106,7 +106,7 @@ TEST_F(SoftExactness, EqualsRaysUnderLightsOfAllSizes) {
 
 TEST_F(SoftExactness, EqualsRaysForAnyNumberOfSamples) {
     for (const int samples : {2, 3, 16, 63, 65, 200})
-        for (const LightKind kind : {LightKind::Point, LightKind::Sun})
+        for (const LightKind kind : {LightKind::Point, LightKind::Sun, LightKind::Area})
             expect_exact(make_soup_scene(31, 120, 68), make_soft_light(kind, 0.25), samples, "soup", 30);
     expect_exact(make_soup_scene(32, 64, 36), make_soft_light(LightKind::Sun, 0.25), 1024, "soup");
 }
