@@ -46,7 +46,7 @@ class CauseSource:
             chosen = np.linspace(0, count - 1, self._most).astype(np.int64)
             rows, columns = rows[chosen], columns[chosen]
         snapshot = self._captured.snapshot
-        ids = self._captured.aux["ids"][rows, columns].astype(np.int64)
+        ids = self._captured.aux["ids"][rows, columns]
         pixels = make_wrong_pixels(
             rows, columns,
             layer_triangles=self._triangles.find_triangles(ids[:, 0], ids[:, 1]),

@@ -77,7 +77,7 @@ _active: list[Captured] = []
 @contextlib.contextmanager
 def capture(aux: Sequence[str] = ()) -> Iterator[Captured]:
     """Collects what is rendered inside the `with` block; see the module's text. `aux`: "position", "normal", "ids",
-    "depth" (of the first sample)."""
+    "depth" (of the first sample). "ids" are int64: the instance's and the triangle's index; -1, -1: nothing is seen."""
     captured = Captured(tuple(aux))
     _active.append(captured)
     try:

@@ -57,7 +57,7 @@ def compute_filtered_truth(
             "filter the truth over: choose another truth with --truth"
         )
     origin_ws = np.asarray(captured.camera_position, dtype=np.float64)
-    ids = captured.aux["ids"][wanted].astype(np.int64)
+    ids = captured.aux["ids"][wanted]
     receivers = Receivers(
         captured.aux["position"][wanted].astype(np.float64) + origin_ws,
         triangles.find_triangles(ids[:, 0], ids[:, 1]),

@@ -196,6 +196,7 @@ PyFrameResult result_to(FrameResult&& frame, py::list layers) {
     result.combined =
         frame.combined.data.empty() ? py::object(py::none()) : py::object(array_from(std::move(frame.combined)));
     for (auto& [name, image] : frame.aux) result.aux[py::str(name)] = array_from(std::move(image));
+    if (!frame.ids.data.empty()) result.aux["ids"] = array_from(std::move(frame.ids));
     result.camera_position = py::make_tuple(frame.camera_position.x, frame.camera_position.y, frame.camera_position.z);
     for (const std::string& warning : frame.warnings) result.warnings.append(warning);
     result.times = times_to(frame.stats);

@@ -141,18 +141,28 @@ py::dict parameters_to(const ParameterValues& values) {
     return result;
 }
 
-py::array array_from(Image&& image) {
-    std::vector<py::ssize_t> shape{image.height, image.width};
-    if (image.channels != 1) shape.push_back(image.channels);
-    const std::size_t size = std::size_t(image.width) * std::size_t(image.height) * std::size_t(image.channels);
-    if (image.data.size() != size) {
-        throw Error("internal: an image of " + std::to_string(image.width) + "x" + std::to_string(image.height) + "x" +
-                    std::to_string(image.channels) + " holds " + std::to_string(image.data.size()) + " numbers");
-    }
-    auto* pixels = new std::vector<float>(std::move(image.data));
-    py::capsule owner(pixels, [](void* data) { delete static_cast<std::vector<float>*>(data); });
-    return py::array_t<float>(shape, pixels->data(), owner);
+namespace {
+
+/// The array takes over what the vector holds.
+template <class T>
+py::array take_array(std::vector<T>&& items, int width, int height, int channels) {
+    std::vector<py::ssize_t> shape{height, width};
+    if (channels != 1) shape.push_back(channels);
+    if (items.size() != std::size_t(width) * std::size_t(height) * std::size_t(channels))
+        throw Error("internal: an image of " + std::to_string(width) + "x" + std::to_string(height) + "x" +
+                    std::to_string(channels) + " holds " + std::to_string(items.size()) + " numbers");
+    auto* kept = new std::vector<T>(std::move(items));
+    py::capsule owner(kept, [](void* data) { delete static_cast<std::vector<T>*>(data); });
+    return py::array_t<T>(shape, kept->data(), owner);
 }
+
+}  // namespace
+
+py::array array_from(Image&& image) {
+    return take_array(std::move(image.data), image.width, image.height, image.channels);
+}
+
+py::array array_from(IdImage&& image) { return take_array(std::move(image.data), image.width, image.height, 2); }
 
 py::list times_to(const RenderStats& stats) {
     py::list list;

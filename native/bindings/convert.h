@@ -46,6 +46,7 @@ py::dict parameters_to(const ParameterValues& values);
 
 /// (h, w) for one channel, else (h, w, c). Takes the pixels over: nothing is copied.
 py::array array_from(Image&& image);
+py::array array_from(IdImage&& image);  ///< (height, width, 2), int64
 py::list times_to(const RenderStats& stats);
 py::dict counters_to(const RenderStats& stats);
 

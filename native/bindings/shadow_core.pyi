@@ -132,7 +132,7 @@ class Layer:
 class FrameResult:
     coverage: NDArray[np.float32]  # (h, w)
     combined: NDArray[np.float32] | None  # (h, w, 4), linear, premultiplied
-    aux: dict[str, NDArray[np.float32]]  # see request.h
+    aux: dict[str, NDArray[np.float32] | NDArray[np.int64]]  # see request.h; "ids" are whole numbers
     camera_position: tuple[float, float, float]
     warnings: list[str]
     times: list[dict[str, float | str]]

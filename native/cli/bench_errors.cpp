@@ -68,7 +68,7 @@ public:
     double find_standard_error(std::uint32_t light) { return standard_errors_.at(light); }
 
     /// Adds the wrong bits of a soft layer that took these samples, of the frame with these ids.
-    void count_bits(const Layer& layer, std::uint32_t light, const TechniqueNeeds& needs, const Image& ids,
+    void count_bits(const Layer& layer, std::uint32_t light, const TechniqueNeeds& needs, const IdImage& ids,
                     SampleErrors& errors) {
         const auto parts = exact_.compute_at_samples(light, needs.light_samples, needs.light_pattern, ids);
         const std::vector<float>& visibility = layer.channels.at("visibility").data;
@@ -151,7 +151,7 @@ void measure_errors(Session& session, std::vector<BenchRow>& rows, const ErrorKi
         if (!kinds.bits || find_truth(technique, row.resolved).kind != TruthKind::Soft) continue;
         row.bits.emplace();
         for (const Layer& layer : layers)
-            truths.count_bits(layer, request.jobs[layer.job].light, technique.needs(row.resolved), frame.aux.at("ids"),
+            truths.count_bits(layer, request.jobs[layer.job].light, technique.needs(row.resolved), frame.ids,
                               *row.bits);
     }
 }

@@ -16,6 +16,8 @@ gl::Device::LoadFunction loader() {
     return [](void* user, const char* name) { return static_cast<Context*>(user)->load(name); };
 }
 
+constexpr GLuint64 kBatchTimeoutNs = 60'000'000'000;  // a lost driver, not a slow one
+
 }  // namespace
 
 StageTimer::StageTimer(Engine& engine, std::string stage) : engine_(engine), stage_(std::move(stage)) {
@@ -24,11 +26,11 @@ StageTimer::StageTimer(Engine& engine, std::string stage) : engine_(engine), sta
 }
 
 StageTimer::~StageTimer() {
-    if (engine_.record() && mark_.begin) engine_.record()->end(std::move(mark_));
     try {
+        if (engine_.record() && mark_.begin) engine_.record()->end(std::move(mark_));
         engine_.device().check(stage_);
-    } catch (const DriverError& error) {
-        if (engine_.stage_error_.empty()) engine_.stage_error_ = error.what();
+    } catch (...) {
+        if (!engine_.stage_error_) engine_.stage_error_ = std::current_exception();
     }
 }
 
@@ -70,11 +72,11 @@ void Engine::begin_render() {
 
 void Engine::check_cancelled() {
     cancel_.check();
-    if (!stage_error_.empty()) throw DriverError(std::exchange(stage_error_, {}));
+    if (stage_error_) std::rethrow_exception(std::exchange(stage_error_, nullptr));
 }
 
 void Engine::check_gl(const char* where) {
-    if (!stage_error_.empty()) throw DriverError(std::exchange(stage_error_, {}));
+    check_cancelled();
     device_->check(where);
 }
 
@@ -97,7 +99,7 @@ void Engine::draw_vertices(const DrawState& state, GLenum mode, GLsizei vertex_c
 }
 
 void Engine::drop_errors() {
-    stage_error_.clear();
+    stage_error_ = nullptr;
     try {
         device_->check("the render before");
     } catch (const DriverError&) {
@@ -119,12 +121,15 @@ gl::Buffer& Engine::instance_stream(std::size_t bytes) {
 void Engine::limit_queue() {
     GLsync batch = gl().FenceSync(GL_SYNC_GPU_COMMANDS_COMPLETE, 0);
     gl().Flush();
-    if (last_batch_) {
-        constexpr GLuint64 kTimeout = 60'000'000'000;  // a lost driver, not a slow one
-        gl().ClientWaitSync(last_batch_, GL_SYNC_FLUSH_COMMANDS_BIT, kTimeout);
-        gl().DeleteSync(last_batch_);
-    }
-    last_batch_ = batch;
+    const GLsync before = std::exchange(last_batch_, batch);
+    if (!before) return;
+    const GLenum answer = gl().ClientWaitSync(before, GL_SYNC_FLUSH_COMMANDS_BIT, kBatchTimeoutNs);
+    gl().DeleteSync(before);
+    if (answer == GL_ALREADY_SIGNALED || answer == GL_CONDITION_SATISFIED) return;
+    check_gl("waiting for a batch of draws");
+    throw DriverError("the GL driver (" + device_->renderer() + ") did not finish a batch of draws" +
+                      (answer == GL_TIMEOUT_EXPIRED ? " in a minute" : "") +
+                      "; it may have been lost: render again, or restart the program");
 }
 
 void Engine::finish() {

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <exception>
 #include <map>
 #include <memory>
 #include <string>
@@ -36,7 +37,8 @@ struct EngineOptions {
 };
 
 /// Times what happens while it lives, as one stage of the current record. Not nested: the outer would count the inner
-/// too. Its end asks GL for errors; the next Engine call that may throw reports them under the stage's name.
+/// too. Its end asks GL for errors; the next Engine call that may throw tells of them, and of what else went
+/// wrong there, under the stage's name.
 class StageTimer {
 public:
     StageTimer(Engine& engine, std::string stage);
@@ -80,8 +82,8 @@ public:
     ThreadPool& threads() { return *threads_; }
     CancelToken& cancel_token() { return cancel_; }
 
-    /// Throws Cancelled if the session was told so, DriverError if a stage left a GL error. Call it in long CPU loops
-    /// (from this thread) and between draws.
+    /// Throws Cancelled if the session was told so, else what the end of a stage met (DriverError for a GL error). Call
+    /// it in long CPU loops (from this thread) and between draws.
     void check_cancelled();
 
     /// `auto timer = engine.time_stage("depth_map");` CPU wall time and GL time of the scope, summed by name.
@@ -110,11 +112,13 @@ public:
     void drop_errors();
     /// Vertex stream for draw_scene, grown as needed; its old content is dropped.
     gl::Buffer& instance_stream(std::size_t bytes);
-    /// DriverError if GL reported an error, now or at the end of an earlier stage.
+    /// The same, and DriverError if GL reports an error now.
     void check_gl(const char* where);
     /// Bytes on the GL held by all objects alive.
     std::size_t gpu_bytes() const { return device_->live_bytes(); }
-    /// Lets no more than one earlier batch of draws be unfinished: what a cancel waits for stays short.
+    /// Lets no more than one earlier batch of draws be unfinished: what a cancel waits for stays short. Throws
+    /// Cancelled if the session was told so, DriverError if the driver is lost: it fails to wait, or is not done in a
+    /// minute.
     void limit_queue();
     /// Waits for all GL work.
     void finish();
@@ -134,7 +138,7 @@ private:
     GLsync last_batch_ = nullptr;
     StageRecord* record_ = nullptr;
     std::uint64_t render_number_ = 0;
-    std::string stage_error_;
+    std::exception_ptr stage_error_;  ///< the first one since it was last told
     std::vector<std::string> warnings_;
 };
 

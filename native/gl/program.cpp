@@ -2,7 +2,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "gl/program.h"
 
+#include <algorithm>
+#include <cctype>
 #include <glm/gtc/type_ptr.hpp>
+#include <string_view>
 
 #include "gl/shader_source.h"
 #include "shadow_layers/error.h"
@@ -42,11 +45,47 @@ private:
     GLuint id_;
 };
 
+/// Takes out "//" and "/* */" comments.
+std::string strip_comments(const std::string& source) {
+    std::string code;
+    for (std::size_t at = 0; at < source.size();) {
+        if (source.compare(at, 2, "//") == 0) {
+            at = std::min(source.find('\n', at), source.size());
+        } else if (source.compare(at, 2, "/*") == 0) {
+            const std::size_t end = source.find("*/", at + 2);
+            at = end == std::string::npos ? source.size() : end + 2;
+            code += ' ';
+        } else {
+            code += source[at++];
+        }
+    }
+    return code;
+}
+
+/// The names that a GLSL text declares as "uniform type name" or "uniform type name[size]", one a declaration.
+void add_uniform_names(const std::string& source, std::set<std::string>& names) {
+    const std::string code = strip_comments(source);
+    const auto is_word = [](char c) { return std::isalnum(static_cast<unsigned char>(c)) || c == '_'; };
+    constexpr std::string_view kKeyword = "uniform";
+    for (std::size_t at = code.find(kKeyword); at != std::string::npos; at = code.find(kKeyword, at + 1)) {
+        std::size_t end = at + kKeyword.size();
+        if ((at > 0 && is_word(code[at - 1])) || (end < code.size() && is_word(code[end]))) continue;
+        std::string word;  // the last one before what ends the declaration
+        for (; end < code.size() && std::string_view(";[={").find(code[end]) == std::string_view::npos; ++end) {
+            if (!is_word(code[end])) continue;
+            if (!is_word(code[end - 1])) word.clear();
+            word += code[end];
+        }
+        if (!word.empty()) names.insert(word);
+    }
+}
+
 }  // namespace
 
 Program::Program(const Device& device, const std::vector<Stage>& stages, std::string_view label)
-    : Tracked(device, create_program(device), GL_PROGRAM, label) {
+    : Tracked(device, create_program(device), GL_PROGRAM, label), label_(label) {
     try {
+        for (const Stage& stage : stages) add_uniform_names(stage.source, declared_);
         link(stages, label);
     } catch (...) {
         destroy();
@@ -72,6 +111,8 @@ void Program::link(const std::vector<Stage>& stages, std::string_view label) {
 
 Program& Program::operator=(Program&& other) noexcept {
     Tracked::operator=(std::move(other));
+    std::swap(label_, other.label_);
+    std::swap(declared_, other.declared_);
     std::swap(locations_, other.locations_);
     return *this;
 }
@@ -89,6 +130,10 @@ void Program::use() const { gl().UseProgram(id()); }
 int Program::location(const char* name) const {
     const auto found = locations_.find(name);
     if (found != locations_.end()) return found->second;
+    const std::string_view whole = name;  // of an array's element: the array's
+    if (!declared_.contains(std::string(whole.substr(0, whole.find('[')))))
+        throw ShaderError("program \"" + label_ + "\" has no uniform \"" + name +
+                          "\"; give the folder \"shaders\" of this version");
     return locations_[name] = gl().GetUniformLocation(id(), name);
 }
 

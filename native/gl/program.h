@@ -4,6 +4,7 @@
 
 #include <glm/glm.hpp>
 #include <map>
+#include <set>
 #include <string>
 #include <unordered_map>
 #include <vector>
@@ -15,7 +16,8 @@ namespace shadow_layers::gl {
 /// Compile-time constants of a program: `#define name value`. Ordered, so that equal sets compare equal.
 using Defines = std::map<std::string, std::string>;
 
-/// A linked program. Setting a uniform that the compiler removed has no effect.
+/// A linked program. Setting a uniform that the compiler removed has no effect; one that none of the sources declares,
+/// whatever their defines, is a ShaderError that names program and uniform.
 class Program : public Tracked {
 public:
     struct Stage {
@@ -42,11 +44,13 @@ public:
     void set(const char* name, const glm::ivec4& value) const;
     void set(const char* name, const glm::mat3& value) const;
     void set(const char* name, const glm::mat4& value) const;
-    int location(const char* name) const;  ///< -1 if there is none
+    int location(const char* name) const;  ///< -1 if the compiler removed it
 
 private:
     void link(const std::vector<Stage>& stages, std::string_view label);
     void destroy();
+    std::string label_;
+    std::set<std::string> declared_;  ///< uniforms, also those that a define leaves out
     mutable std::unordered_map<std::string, int> locations_;
 };
 

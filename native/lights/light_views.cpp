@@ -273,7 +273,8 @@ LightSample fit_light_views(const Frame& frame, const Light& light, LightSample 
                             const LightSample* previous, ThreadPool* threads) {
     point.views.clear();
     if (settings.map_size <= 0) return point;
-    const bool known = previous && point.is_same_place(*previous);
+    point.scene = frame.scene;
+    const bool known = previous && previous->scene == frame.scene && point.is_same_place(*previous);
     ViewMaker(frame, light, settings, threads).add_views(point, known ? previous : nullptr);
     return point;
 }

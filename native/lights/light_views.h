@@ -3,6 +3,7 @@
 #pragma once
 
 #include <glm/glm.hpp>
+#include <memory>
 #include <vector>
 
 #include "frame/frame.h"
@@ -42,6 +43,7 @@ struct LightSample {
     double cone_sin = 0;              ///< sine of the same angle: that of a far, narrow cone is not in its cosine
     bool cube = false;                ///< receivers choose their view by cube face (views[k].face)
     std::vector<LightView> views;     ///< only those with receivers; empty: no receiver faces this light
+    std::shared_ptr<const Scene> scene;  ///< that the views were fitted to; null where none were asked for
 
     /// The same light from the same point, whatever its views.
     bool is_same_place(const LightSample& other) const {
@@ -60,8 +62,8 @@ struct ViewSettings {
 
 /// `point`, a sample of the light, with views fitted to the receivers in `frame` that face the light, are in its cone
 /// and in its receiver set, and to the casters that can reach them. The views of `previous` (may be null), the same
-/// sample made for another sample of the same pixels, are kept where they still cover the receivers, so that jittered
-/// frames share their maps. `threads` (may be null: one thread) does not change the result.
+/// sample made for another sample of the same pixels, are kept where they are of the same scene and still cover the
+/// receivers, so that jittered frames share their maps. `threads` (may be null: one thread) does not change the result.
 LightSample fit_light_views(const Frame& frame, const Light& light, LightSample point, const ViewSettings& settings,
                             const LightSample* previous = nullptr, ThreadPool* threads = nullptr);
 

@@ -17,15 +17,23 @@ void for_each_pixel(const Frame& frame, const Body& body) {
     }
 }
 
+IdImage make_ids(const Frame& frame) {
+    IdImage image{frame.region.width, frame.region.height, {}};
+    image.data.resize(2 * region_pixels(frame.region), -1);
+    for_each_pixel(frame, [&](std::size_t pixel, std::size_t from) {
+        const PixelIds& ids = frame.ids[from];
+        if (ids.instance == kNoId) return;
+        image.data[2 * pixel] = ids.instance;
+        image.data[2 * pixel + 1] = ids.triangle;
+    });
+    return image;
+}
+
 /// Pixel `pixel` of the frame into `out`.
 void write_aux(const Frame& frame, const std::string& name, const glm::vec3& forward, std::size_t pixel, float* out) {
-    const PixelIds& ids = frame.ids[pixel];
-    const bool is_empty = ids.instance == kNoId;
     const glm::vec3& value = name == "normal" ? frame.normals[pixel] : frame.positions_rel[pixel];
     if (name == "depth")
         out[0] = glm::dot(frame.positions_rel[pixel], forward);
-    else if (name == "ids")
-        out[0] = is_empty ? -1.0f : float(ids.instance), out[1] = is_empty ? -1.0f : float(ids.triangle);
     else
         out[0] = value.x, out[1] = value.y, out[2] = value.z;
 }
@@ -50,7 +58,11 @@ void FramePictures::add_frame(const Frame& frame, std::size_t sample) {
 void FramePictures::add_aux(const Frame& frame) {
     const glm::vec3 forward(-glm::dvec3(frame.camera.world_from_camera[2]));
     for (const std::string& name : request_.aux) {
-        const int channels = name == "depth" ? 1 : name == "ids" ? 2 : 3;
+        if (name == "ids") {
+            ids_ = make_ids(frame);
+            continue;
+        }
+        const int channels = name == "depth" ? 1 : 3;
         Image image{region_.width, region_.height, channels, {}};
         image.data.resize(region_pixels(region_) * std::size_t(channels));
         for_each_pixel(frame, [&](std::size_t pixel, std::size_t from) {
@@ -68,6 +80,7 @@ void FramePictures::finish(FrameResult& result) {
     for (float& value : coverage_.data) value /= float(request_.samples);
     result.coverage = std::move(coverage_);
     result.aux = std::move(aux_);
+    result.ids = std::move(ids_);
     if (clay_) result.combined = clay_->take();
 }
 

@@ -37,6 +37,7 @@ private:
     Image coverage_;
     std::optional<ClayPicture> clay_;
     std::map<std::string, Image> aux_;
+    IdImage ids_;
 };
 
 }  // namespace shadow_layers

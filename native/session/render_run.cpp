@@ -215,7 +215,13 @@ FrameResult run_render(Engine& engine, const std::shared_ptr<FramePool>& pool, T
     } reset{engine};
     engine.take_warnings();
     engine.drop_errors();
-    return RenderRun(engine, pool, techniques, request, outlet).run();
+    try {
+        return RenderRun(engine, pool, techniques, request, outlet).run();
+    } catch (...) {
+        // Work that a cancel breaks off may fail in other ways first: pictures that are half done, memory, the driver.
+        engine.cancel_token().check();
+        throw;
+    }
 }
 
 }  // namespace shadow_layers

@@ -2,10 +2,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "stages/resolve.h"
 
-#include <algorithm>
 #include <glm/gtc/matrix_transform.hpp>
 
 #include "engine/banded_draw.h"
+#include "shadow_layers/error.h"
 
 namespace shadow_layers {
 namespace {
@@ -21,11 +21,19 @@ void set_cube_layers(LightParams& params, const LightSample& sample) {
 
 }  // namespace
 
+std::span<const LightView> get_shader_views(const LightSample& sample) {
+    if (sample.views.size() > std::size_t(kMaxViews))
+        throw Error("a light sample has " + std::to_string(sample.views.size()) + " views; shaders have room for " +
+                    std::to_string(kMaxViews) + " (kMaxViews in shaders/shared/light_params.h)");
+    return sample.views;
+}
+
 LightParams make_light_params(const Frame& frame, const Light& light, const LightSample& sample) {
     LightParams params{};
     const glm::dmat4 ws_from_rel = glm::translate(glm::dmat4(1.0), frame.origin_ws);
-    for (std::size_t layer = 0; layer < std::min<std::size_t>(sample.views.size(), kMaxViews); ++layer)
-        params.lc_from_rel[layer] = glm::mat4(sample.views[layer].lc_from_ws * ws_from_rel);
+    const auto views = get_shader_views(sample);
+    for (std::size_t layer = 0; layer < views.size(); ++layer)
+        params.lc_from_rel[layer] = glm::mat4(views[layer].lc_from_ws * ws_from_rel);
     // Along the axes the difference to a far light is taken in double: what lies across the axis of a narrow cone is
     // small.
     const glm::dvec3 place_rel = sample.position_ws - frame.origin_ws;

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <functional>
+#include <span>
 
 #include "engine/engine.h"
 #include "engine/picture_target.h"
@@ -11,6 +12,9 @@
 #include "lights/light_views.h"
 
 namespace shadow_layers {
+
+/// The sample's views, for as many of which the shaders have room. Error if there are more.
+std::span<const LightView> get_shader_views(const LightSample& sample);
 
 /// One light sample in the form of shaders/shared/light_params.h: matrices are composed in double with the frame's
 /// origin, so that a scene far from the world's origin costs no precision.

@@ -266,10 +266,10 @@ SoftTruth ExactLayers::compute_soft(std::uint32_t light) const {
 }
 
 std::vector<LitPart> ExactLayers::compute_at_samples(std::uint32_t light, int light_samples, LightPattern pattern,
-                                                     const Image& ids) const {
+                                                     const IdImage& ids) const {
     Frame seen = impl_->frame;
     for (std::size_t pixel = 0; pixel < seen.pixel_count(); ++pixel) {
-        const float* id = &ids.data[2 * pixel];
+        const std::int64_t* id = &ids.data[2 * pixel];
         seen.ids[pixel] = id[0] < 0 ? PixelIds{} : PixelIds{std::uint32_t(id[0]), std::uint32_t(id[1])};
         seen.coverage[pixel] =
             id[0] >= 0 && !(seen.scene->instances[seen.ids[pixel].instance].flags & kInstanceHoldout);

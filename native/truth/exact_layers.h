@@ -47,10 +47,10 @@ public:
     SoftTruth compute_soft(std::uint32_t light) const;
 
     /// The truth of a layer that takes exactly these samples of the light's shape: what differs from it is wrong,
-    /// whatever the number of samples. `ids`: the triangles that the layer's own frame sees (FrameResult::aux).
+    /// whatever the number of samples. `ids`: the triangles that the layer's own frame sees (FrameResult::ids).
     /// Throws Cancelled.
     std::vector<LitPart> compute_at_samples(std::uint32_t light, int light_samples, LightPattern pattern,
-                                            const Image& ids) const;
+                                            const IdImage& ids) const;
 
     /// 1 where the pixel's visibility is decided by what lies between it and the light: its face is turned to the
     /// light, inside its cone, and linked.

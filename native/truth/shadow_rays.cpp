@@ -34,9 +34,10 @@ Frame make_frame(const RenderRequest& request, const FrameResult& result) {
     frame.width = result.coverage.width, frame.height = result.coverage.height;
     frame.scene = request.scene;
     frame.origin_ws = result.camera_position;
-    const Image &positions = result.aux.at("position"), &normals = result.aux.at("normal"), &ids = result.aux.at("ids");
+    const Image &positions = result.aux.at("position"), &normals = result.aux.at("normal");
     for (std::size_t pixel = 0; pixel < frame.pixel_count(); ++pixel) {
-        const float *p = &positions.data[3 * pixel], *n = &normals.data[3 * pixel], *id = &ids.data[2 * pixel];
+        const float *p = &positions.data[3 * pixel], *n = &normals.data[3 * pixel];
+        const std::int64_t* id = &result.ids.data[2 * pixel];
         frame.positions_rel.emplace_back(p[0], p[1], p[2]);
         frame.normals.emplace_back(n[0], n[1], n[2]);
         frame.ids.push_back(id[0] < 0 ? PixelIds{} : PixelIds{std::uint32_t(id[0]), std::uint32_t(id[1])});

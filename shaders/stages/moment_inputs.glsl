@@ -15,9 +15,10 @@
 #include "shared/moment_limits.h"
 
 layout(binding = kMomentMapUnit) uniform sampler2DArray moment_map_tx;
-layout(location = 0) uniform float u_stretches[kMaxViews];  // by layer, see linear_depth
 layout(location = 6) uniform vec3 u_kernel;  // variance of the blur per axis, its radius, longest mipmapped side
 layout(location = 7) uniform float u_unit_roundoff;  // of the map's numbers, relative to 1
+// Takes a location for each view: behind those of the techniques, which have 8 to 15.
+layout(location = 16) uniform float u_stretches[kMaxViews];  // by layer, see linear_depth
 
 struct FilteredReceiver {
     vec4 moments;    // as stored, averaged

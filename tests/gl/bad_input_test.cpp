@@ -216,7 +216,7 @@ TEST(BadPlaces, LightInsideGeometryShadesEverythingOutside) {
             const auto visibility = picture.visibility(i);
             int lit = 0, floor = 0;
             for (std::size_t pixel = 0; pixel < visibility.size(); ++pixel) {
-                if (frame.aux.at("ids").data[2 * pixel] != 0) continue;
+                if (frame.ids.data[2 * pixel] != 0) continue;
                 // Well inside the cone, which is a little narrower than half of space.
                 const glm::vec3 rel(frame.aux.at("position").data[3 * pixel],
                                     frame.aux.at("position").data[3 * pixel + 1],

@@ -160,15 +160,7 @@ TEST(EDTSMParameters, AreRefusedByNameValueAndRange) {
         const std::string text = refusal_of(runner, view, parameters({{"penumbra", width}}));
         EXPECT_TRUE(contains(text, "\"penumbra\"") && contains(text, "from 1e-06 to 1e+06")) << text;
     }
-    ParameterValues wide = parameters({{"penumbra", 40.0}, {"penumbra_from", std::string("fixed")}});
-    std::string text = refusal_of(runner, view, wide);
-    EXPECT_TRUE(contains(text, "edtsm") && contains(text, "\"penumbra\"") && contains(text, "40 ")) << text;
-    EXPECT_TRUE(contains(text, "from 1e-06 to ") && contains(text, "wide as the picture")) << text;
-    wide.set("metric", std::string("screen"));
-    wide.set("penumbra_px", 4000.0);
-    text = refusal_of(runner, view, wide);
-    EXPECT_TRUE(contains(text, "\"penumbra_px\"") && contains(text, "4000 ")) << text;
-    EXPECT_EQ(refusal_of(runner, view, parameters({{"penumbra", 40.0}})), "nothing was refused") << "not in use";
+    EXPECT_EQ(refusal_of(runner, view, parameters({{"penumbra", 40.0}})), "nothing was refused");
 }
 
 TEST(EDTSM, ALightWithoutSizeCastsTheSourcesShadow) {

@@ -128,6 +128,44 @@ TEST_F(EDTSMTest, TheScreenMetricCountsPixels) {
     }
 }
 
+/// A camera that comes near makes a penumbra wider than the picture: the ramp goes on as it was, and a warning says so.
+TEST_F(EDTSMTest, APenumbraMayGrowOverThePicture) {
+    const double width = 2;
+    runner().engine().take_warnings();
+    for (const double distance : {18.0, 6.0, 4.0, 3.0}) {
+        const EdgeScene edge = make_edge_scene(0, 0, distance);
+        const auto run = runner().render(edge.view, "edtsm", fixed_penumbra(width));
+        const RampError error =
+            measure(run, [&](const glm::dvec3& place) { return 0.5 - edge.depth_in_shadow(place) / width; });
+        EXPECT_GT(error.count, 5000);
+        EXPECT_LT(error.rms, 0.55 / pixels_of(run, width)) << distance;
+        const auto warnings = runner().engine().take_warnings();
+        const bool is_wider = pixels_of(run, width) > 240 + 2 * 16;
+        EXPECT_EQ(is_wider, distance < 5);
+        ASSERT_EQ(warnings.size(), is_wider ? 1u : 0u) << distance;
+        if (!is_wider) continue;
+        for (const char* part : {"edtsm", "\"penumbra\"", "2 scene units"})
+            EXPECT_NE(warnings[0].find(part), std::string::npos) << warnings[0];
+    }
+}
+
+TEST_F(EDTSMTest, APenumbraInPixelsMayBeWiderThanThePicture) {
+    const EdgeScene edge = make_edge_scene(0, 0, 6);
+    ParameterValues values = fixed_penumbra(1);
+    values.set("metric", std::string("screen"));
+    values.set("penumbra_px", 4096.0);
+    runner().engine().take_warnings();
+    const auto run = runner().render(edge.view, "edtsm", values);
+    const double per_unit = pixels_of(run, 1);
+    const RampError error =
+        measure(run, [&](const glm::dvec3& place) { return 0.5 - edge.depth_in_shadow(place) * per_unit / 4096; });
+    EXPECT_EQ(error.count, 240 * 135);
+    EXPECT_LT(error.worst, 1.0 / 4096);
+    const auto warnings = runner().engine().take_warnings();
+    ASSERT_EQ(warnings.size(), 1u);
+    EXPECT_NE(warnings[0].find("\"penumbra_px\""), std::string::npos) << warnings[0];
+}
+
 TEST_F(EDTSMTest, TheRampIsSmoothAndHasNoStepInTheMiddle) {
     for (const double filter : {0.0, 0.25}) {
         const EdgeScene edge = make_edge_scene(0, 0, 8);

@@ -133,6 +133,54 @@ TEST_F(GLObjects, FullscreenDrawFillsTheFramebuffer) {
     for (std::size_t i = 0; i < pixels.size(); ++i) EXPECT_EQ(pixels[i], 2.0f * float(i % 4 + 1));
 }
 
+TEST_F(GLObjects, AUniformThatNoSourceHasIsAnError) {
+    ShaderFolder folder;
+    folder.write("full.vert", "void main() { gl_Position = vec4(0); }\n");
+    folder.write("lib/used_lib.glsl", "uniform vec2 u_removed;\nuniform float u_list[3];\n");
+    folder.write("fill.frag",
+                 "#include \"lib/used_lib.glsl\"\n"
+                 "#if 0\nlayout(location = 7) uniform highp vec4 u_left_out;\n#endif\n"
+                 "uniform float u_value;  // uniform vec3 u_comment;\n"
+                 "/* uniform vec3 u_remark; */\n"
+                 "out vec4 u_out;\n"
+                 "void main() { u_out = vec4(u_value + u_list[1]); }\n");
+    const gl::ShaderSource source(folder.path());
+    const gl::Program made(engine().device(), {source.load("full.vert", {}), source.load("fill.frag", {})}, "the fill");
+    gl::Program program;
+    program = gl::Program(engine().device(), {source.load("full.vert", {}), source.load("fill.frag", {})}, "the fill");
+    program.set("u_value", 1.0f);
+    program.set("u_list[1]", 1.0f);
+    program.set("u_removed", glm::vec2(1));
+    program.set("u_left_out", glm::vec4(1));
+    for (const char* name : {"u_valve", "u_val", "u_comment", "u_remark", "u_out", "uniform", "u_lists[1]"}) {
+        const std::string text = message_of<ShaderError>([&] { program.set(name, 1.0f); });
+        EXPECT_NE(text.find("the fill"), std::string::npos) << text;
+        EXPECT_NE(text.find('"' + std::string(name) + '"'), std::string::npos) << text;
+    }
+    EXPECT_NO_THROW(engine().check_gl("setting uniforms"));
+}
+
+/// What depends on how many views there may be takes it from kMaxViews.
+TEST_F(GLObjects, ShadersTakeAnyNumberOfViews) {
+    ShaderFolder folder;
+    fs::copy(SHADOW_LAYERS_SHADER_DIR, folder.path(),
+             fs::copy_options::recursive | fs::copy_options::overwrite_existing);
+    std::ifstream stream(folder.path() / "shared/light_params.h");
+    std::string text{std::istreambuf_iterator<char>(stream), {}};
+    const std::string count = "kMaxViews = 6;";
+    ASSERT_NE(text.find(count), std::string::npos);
+    folder.write("shared/light_params.h", text.replace(text.find(count), count.size(), "kMaxViews = 9;"));
+    const gl::ShaderSource source(folder.path());
+    const gl::Defines defines{{"MIPMAPS", "1"}, {"ANISOTROPY", "4"}, {"FIXED_POINT", "0"}, {"COMPONENTS", "4"},
+                              {"KERNEL", "3"},  {"BILINEAR", "1"},   {"EARLY_OUT", "1"},   {"SOFT", "1"}};
+    for (const char* id : {"sm", "pcf", "edsm", "vsm", "esm", "evsm", "msm"}) {
+        const std::string file = std::string("techniques/") + id + "/" + id + ".frag";
+        EXPECT_NO_THROW(gl::Program(engine().device(),
+                                    {source.load("frame/fullscreen.vert", {}), source.load(file, defines)}, file))
+            << id;
+    }
+}
+
 TEST_F(GLObjects, CompileErrorNamesFileAndLineThroughIncludes) {
     ShaderFolder folder;
     folder.write("lib/good_lib.glsl", "#pragma once\nfloat one() { return 1.0; }\n");
@@ -211,6 +259,55 @@ TEST_F(GLObjects, ErrorsAreFoundAndNamed) {
         engine().gl().Enable(0x1234);
     }
     EXPECT_NE(message_of<DriverError>([&] { engine().check_cancelled(); }).find("broken stage"), std::string::npos);
+}
+
+TEST_F(GLObjects, ACancelIsToldBeforeTheErrorsThatItLeaves) {
+    engine().gl().Enable(0x1234);
+    engine().cancel_token().request();
+    EXPECT_THROW(engine().check_gl("a stage"), Cancelled);
+    engine().cancel_token().reset();
+    EXPECT_THROW(engine().check_gl("a stage"), DriverError);
+}
+
+/// The functions of this test's own GL, to put others in their place.
+GladGLContext& functions_of(Engine& engine) { return const_cast<GladGLContext&>(engine.gl()); }
+
+TEST_F(GLObjects, WhatTheEndOfAStageThrowsIsToldLater) {
+    StageRecord record;
+    engine().set_record(&record);
+    const auto flush = functions_of(engine()).Flush;
+    EXPECT_NO_THROW({
+        const auto timer = engine().time_stage("no memory at its end");
+        functions_of(engine()).Flush = []() { throw std::bad_alloc(); };
+    });
+    functions_of(engine()).Flush = flush;
+    engine().set_record(nullptr);
+    EXPECT_THROW(engine().check_cancelled(), std::bad_alloc);
+    EXPECT_NO_THROW(engine().check_cancelled());
+}
+
+TEST_F(GLObjects, ALostDriverIsAnErrorAndNoSuccess) {
+    const auto wait = functions_of(engine()).ClientWaitSync;
+    const auto limit_with = [&](PFNGLCLIENTWAITSYNCPROC answer) {
+        functions_of(engine()).ClientWaitSync = answer;
+        engine().limit_queue();  // the first one has no batch before it to wait for
+        engine().limit_queue();
+        functions_of(engine()).ClientWaitSync = wait;
+    };
+    EXPECT_NO_THROW(limit_with(wait));
+    EXPECT_NO_THROW(limit_with([](GLsync, GLbitfield, GLuint64) -> GLenum { return GL_ALREADY_SIGNALED; }));
+    EXPECT_NO_THROW(limit_with([](GLsync, GLbitfield, GLuint64) -> GLenum { return GL_CONDITION_SATISFIED; }));
+    const auto timed_out = [](GLsync, GLbitfield, GLuint64) -> GLenum { return GL_TIMEOUT_EXPIRED; };
+    const auto failed = [](GLsync, GLbitfield, GLuint64) -> GLenum { return GL_WAIT_FAILED; };
+    const std::string text = message_of<DriverError>([&] { limit_with(timed_out); });
+    EXPECT_NE(text.find(engine().device().renderer()), std::string::npos) << text;
+    EXPECT_NE(text.find("minute"), std::string::npos) << text;
+    EXPECT_THROW(limit_with(failed), DriverError);
+    engine().cancel_token().request();
+    EXPECT_THROW(limit_with(failed), Cancelled);
+    engine().cancel_token().reset();
+    functions_of(engine()).ClientWaitSync = wait;
+    EXPECT_NO_THROW(limit_with(wait));
 }
 
 TEST_F(GLObjects, StageTimesAddUpByName) {

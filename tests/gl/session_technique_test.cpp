@@ -321,6 +321,47 @@ TEST_F(SessionTechniqueTest, NoGLObjectIsLeftBehind) {
     EXPECT_EQ(engine().device().live_objects(), objects);
 }
 
+TEST_F(SessionTechniqueTest, WhatACancelBreaksEndsAsCancelled) {
+    const std::function<void(Engine&, const LightTask&, LayerOutputs&)> ends[] = {
+        [](Engine&, const LightTask& task, LayerOutputs& outputs) {
+            const float nothing = std::numeric_limits<float>::quiet_NaN();
+            for (const char* name : {"visibility", "extra"}) outputs.set(name, make_image(task.frame, 1, nothing));
+        },
+        [](Engine&, const LightTask&, LayerOutputs&) { throw std::bad_alloc(); },
+        [](Engine&, const LightTask&, LayerOutputs&) { throw DriverError("lost"); },
+        [](Engine& engine, const LightTask& task, LayerOutputs& outputs) {
+            const auto timer = engine.time_stage("left an error");
+            engine.gl().Enable(0xffff);
+            for (const char* name : {"visibility", "extra"}) outputs.set(name, make_image(task.frame, 1, 1));
+        }};
+    for (const bool cancels : {true, false})
+        for (const auto& end : ends) {
+            behaviour.render = [&](Engine& engine, const LightTask& task, LayerOutputs& outputs) {
+                end(engine, task, outputs);
+            };
+            if (cancels)
+                behaviour.render = [&](Engine& engine, const LightTask& task, LayerOutputs& outputs) {
+                    if (&end == &ends[3]) {  // a stage can't begin once a cancel is asked for
+                        end(engine, task, outputs);
+                        engine.cancel_token().request();
+                    } else {
+                        engine.cancel_token().request();
+                        end(engine, task, outputs);
+                    }
+                };
+            try {
+                run(make_request());
+                ADD_FAILURE() << "nothing was thrown";
+            } catch (const Cancelled&) {
+                EXPECT_TRUE(cancels);
+            } catch (const std::exception& error) {
+                EXPECT_FALSE(cancels) << error.what();
+            }
+            engine().cancel_token().reset();
+            engine().drop_errors();
+        }
+}
+
 TEST_F(SessionTechniqueTest, LightsOfOtherKindsAreRefused) {
     RenderRequest request = make_request();
     auto scene = test::make_ball_scene();

@@ -198,7 +198,8 @@ TEST_F(SessionTest, AuxiliaryOutputsAreOfTheFirstSample) {
     const glm::dvec3 forward(-glm::dvec3(request.camera.world_from_camera[2]));
     int floor_pixels = 0;
     for (std::size_t i = 0; i < 160 * 90; ++i) {
-        const float instance = frame.aux.at("ids").data[2 * i], depth = frame.aux.at("depth").data[i];
+        const std::int64_t instance = frame.ids.data[2 * i];
+        const float depth = frame.aux.at("depth").data[i];
         if (frame.coverage.data[i] == 0) {
             EXPECT_EQ(instance, -1);
             EXPECT_EQ(depth, 0);
@@ -368,6 +369,47 @@ TEST_F(SessionTest, NothingGrowsOverManyFrames) {
     }
     EXPECT_LE(gpu, std::size_t{6} << 20);
     EXPECT_LE(host, std::size_t{4} << 20);
+}
+
+/// A caster that moves within its lights' views, and one that comes into them: each frame is what a session shows that
+/// has not seen the frames before.
+TEST_F(SessionTest, MovingCastersLeaveNoStaleShadows) {
+    const auto make_frame = [](int frame) {
+        auto scene = test::make_ball_scene();
+        for (const LightKind kind : {LightKind::Sun, LightKind::Spot}) {
+            Light light = scene->lights[0];
+            light.kind = kind;
+            light.name = "another";
+            scene->lights.push_back(light);
+        }
+        scene->instances[1].world_from_object[3] += glm::dvec4(0.03 * frame, 0.02 * frame, 0, 0);
+        Instance second = scene->instances[1];
+        second.world_from_object = glm::translate(glm::dmat4(1), glm::dvec3(0.7, -0.4, frame == 2 ? 2.5 : 400.0)) *
+                                   glm::scale(glm::dmat4(1), glm::dvec3(0.2));
+        scene->instances.push_back(second);
+        return scene;
+    };
+    const auto render = [](Session& with, const std::shared_ptr<Scene>& scene) {
+        RenderRequest request = make_request(64, 36);
+        request.scene = scene;
+        request.samples = 4;
+        request.jobs.clear();
+        for (std::uint32_t light = 0; light < 3; ++light)
+            for (const char* technique : {"sm", "edsm", "vsm", "exact", "sv"})
+                request.jobs.push_back({light, technique, {}});
+        std::vector<std::vector<float>> pictures;
+        with.render(request, [&](Layer&& layer) { pictures.push_back(layer.channels.at("visibility").data); });
+        return pictures;
+    };
+    Session own(test::make_session_options());
+    std::vector<std::vector<float>> before;
+    for (int frame = 0; frame < 4; ++frame) {
+        Session fresh(test::make_session_options());
+        const auto pictures = render(own, make_frame(frame));
+        EXPECT_EQ(pictures, render(fresh, make_frame(frame))) << frame;
+        EXPECT_NE(pictures, before) << frame;
+        before = pictures;
+    }
 }
 
 TEST_F(SessionTest, HostBytesAreOfTheHostAndCountMeshData) {

@@ -116,6 +116,15 @@ LightView spot_view() {
     return view;
 }
 
+TEST(LightParameters, MoreViewsThanShadersHaveRoomForAreAnError) {
+    Frame frame;
+    LightSample sample;
+    sample.views.resize(kMaxViews);
+    EXPECT_NO_THROW(make_light_params(frame, Light(), sample));
+    sample.views.emplace_back();
+    EXPECT_THROW(make_light_params(frame, Light(), sample), Error);
+}
+
 TEST(MapEdges, InsideEdgesKeepTheirEnds) {
     const LightView view = spot_view();
     const glm::dvec4 a = view.lc_from_ws * glm::dvec4(0.5, 0.2, -3, 1),

@@ -38,7 +38,7 @@ def render_long(core, session, **options):
 
 def test_layers_are_pictures_of_the_shadow(core, session):
     scene, camera = small_scene.make_scene(core), small_scene.make_camera(core)
-    result = session.render(scene, camera, [(0, "sm", {"map_size": 256})], width=64, height=64, aux=["normal", "depth"])
+    result = session.render(scene, camera, [(0, "sm", {"map_size": 256})], width=64, height=64, aux=["normal", "depth", "ids"])
     (layer,) = result.layers
     visibility = layer.channels["visibility"]
     assert (layer.job, layer.light, layer.technique) == (0, 0, "sm")
@@ -51,6 +51,7 @@ def test_layers_are_pictures_of_the_shadow(core, session):
     assert result.combined.shape == (64, 64, 4)
     assert result.aux["normal"].shape == (64, 64, 3) and np.allclose(result.aux["normal"][10, 10], [0, 1, 0])
     assert np.allclose(result.aux["depth"], 10)
+    assert result.aux["ids"].shape == (64, 64, 2) and result.aux["ids"].dtype == np.int64
     assert result.camera_position == (0.0, 10.0, 0.0)
     assert layer.times and {"stage", "cpu_ms", "gl_ms"} == set(layer.times[0])
     assert layer.total_ms > 0 and result.total_ms > 0

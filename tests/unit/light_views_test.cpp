@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include <functional>
 #include <numbers>
 #include <random>
 #include <set>
@@ -204,6 +205,37 @@ TEST_P(LightViewsOfKind, JitteredSamplesShareTheirViews) {
         view_count = std::max(view_count, previous[0].views.size());
     }
     EXPECT_LE(keys.size(), view_count + 4);  // a few are grown once; without sharing there would be 16 of each
+}
+
+TEST_P(LightViewsOfKind, ViewsOfAnotherSceneAreNotKept) {
+    SceneView view = testing::box_scene(kWidth, kHeight);
+    const std::uint32_t far_off = view.place(1, testing::placement({300, 0, 1}), kInstanceShadow);
+    const Light light = light_of(GetParam(), {2.3, -1.7, 6.4}, {0.2, 0.1, 0.3});
+    const auto before = make_light_samples(frame_of(view), light, {});
+    const std::function<void(Scene&)> moves[] = {
+        [&](Scene& s) { s.instances[1].world_from_object[3][0] += 0.02; },  // a caster within its view
+        [&](Scene& s) {
+            s.instances[far_off].world_from_object[3] = {1.2, -0.9, 3.5, 1};
+        },                                                            // one that comes in, near the light
+        [&](Scene& s) { s.instances[1].flags &= ~kInstanceShadow; },  // one that casts no longer
+        [&](Scene& s) {
+            s.meshes[1] = testing::to_mesh("box", testing::make_box({0.9f, 0.8f, 1.1f}));
+        }};
+    for (const auto& move : moves) {
+        SceneView moved = view;
+        moved.scene = std::make_shared<Scene>(*view.scene);
+        move(*moved.scene);
+        // The same receivers, so that the old views still cover them.
+        Frame frame = frame_of(view);
+        frame.scene = moved.scene;
+        const auto fresh = make_light_samples(frame, light, {}), kept = make_light_samples(frame, light, {}, &before);
+        ASSERT_EQ(kept[0].views.size(), fresh[0].views.size());
+        for (std::size_t i = 0; i < fresh[0].views.size(); ++i) {
+            EXPECT_EQ(kept[0].views[i].key, fresh[0].views[i].key);
+            EXPECT_EQ(kept[0].views[i].casters, fresh[0].views[i].casters);
+            EXPECT_EQ(kept[0].views[i].near_ls, fresh[0].views[i].near_ls);
+        }
+    }
 }
 
 TEST_P(LightViewsOfKind, KeysFollowWhatCastsAndNothingElse) {

@@ -18,7 +18,7 @@ FrameResult to_result(const Frame& frame) {
     FrameResult result;
     result.camera_position = frame.origin_ws;
     result.coverage = {frame.width, frame.height, 1, {}};
-    Image &position = result.aux["position"], &normal = result.aux["normal"], &ids = result.aux["ids"];
+    Image &position = result.aux["position"], &normal = result.aux["normal"];
     for (std::size_t pixel = 0; pixel < frame.pixel_count(); ++pixel) {
         result.coverage.data.push_back(frame.coverage[pixel]);
         for (int k = 0; k < 3; ++k) {
@@ -26,8 +26,8 @@ FrameResult to_result(const Frame& frame) {
             normal.data.push_back(frame.normals[pixel][k]);
         }
         const bool is_empty = frame.ids[pixel].instance == kNoId;
-        ids.data.push_back(is_empty ? -1.0f : float(frame.ids[pixel].instance));
-        ids.data.push_back(is_empty ? -1.0f : float(frame.ids[pixel].triangle));
+        result.ids.data.push_back(is_empty ? -1 : std::int64_t(frame.ids[pixel].instance));
+        result.ids.data.push_back(is_empty ? -1 : std::int64_t(frame.ids[pixel].triangle));
     }
     return result;
 }

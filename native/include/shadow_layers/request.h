@@ -80,11 +80,19 @@ struct Layer {
     RenderStats stats;
 };
 
+/// What each pixel sees, by number: an index into Scene::instances and one into that mesh's triangles; -1, -1: nothing.
+/// Whole numbers, because floats round those above 2^24. Two a pixel, rows as in Image.
+struct IdImage {
+    int width = 0, height = 0;
+    std::vector<std::int64_t> data;
+};
+
 struct FrameResult {
     Image coverage;                    ///< 1 channel, 0..1
     Image combined;                    ///< RGBA, linear, alpha = coverage, premultiplied; empty unless asked for
     std::map<std::string, Image> aux;  ///< "position": xyz in world axes relative to camera_position; "normal": unit,
-                                       ///< towards the camera; "ids": instance, triangle (-1: none); "depth": along -Z
+                                       ///< towards the camera; "depth": along -Z. Of those asked for
+    IdImage ids;                       ///< empty unless "ids" were asked for
     glm::dvec3 camera_position{0.0};
     std::vector<std::string> warnings;  ///< what was dropped or approximated, each named once
     RenderStats stats;

@@ -54,7 +54,7 @@ public:
             depth_map->texture->bind(kDepthMapUnit);
             edge_map->texture->bind(kEdgeMapUnit);
             program_->set("u_softness_texels", float(task.parameters.get_float("softness")));
-            program_->set("u_missing_texels", float(options.edges.reach_texels));
+            if (!is_thesis(task.parameters)) program_->set("u_missing_texels", float(options.edges.reach_texels));
         };
         outputs.set("visibility", resolve_.run(engine, {.frame = task.frame,
                                                         .light = task.light,

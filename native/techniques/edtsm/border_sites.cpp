@@ -47,8 +47,9 @@ PenumbraParams make_penumbra_params(const PenumbraSettings& settings, const Ligh
         const double radius = light.kind == LightKind::Sun ? sun_radius(light) : light.radius;
         params.light_u = glm::vec4(float(radius), 0.0f, 0.0f, kDiscShape);
     }
-    for (std::size_t layer = 0; layer < std::min<std::size_t>(sample.views.size(), kMaxViews); ++layer) {
-        const LightView& view = sample.views[layer];
+    const auto views = get_shader_views(sample);
+    for (std::size_t layer = 0; layer < views.size(); ++layer) {
+        const LightView& view = views[layer];
         params.map_depths[layer] =
             glm::vec4(float(view.near_ls), float(view.far_ls), view.perspective ? 1.0f : 0.0f, 0.0f);
     }

@@ -89,33 +89,32 @@ public:
             outputs.set("visibility", hard_tx);
             return;
         }
-        check_width(task, sites);
+        warn_of_width(engine, task, sites);
         outputs.set("visibility", soften(engine, task, hard_tx, sites));
     }
 
 private:
-    /// A width that is derived from the light is as wide as it is; one that was asked for may be a slip.
-    void check_width(const LightTask& task, const BorderSites::Result& sites) const {
+    /// A width that was asked for may be a slip. It is no error: a camera that comes near makes any width large.
+    void warn_of_width(Engine& engine, const LightTask& task, const BorderSites::Result& sites) const {
         if (settings_.from_light) return;
         const Frame& frame = task.frame;
         // Of the full picture: a region of it has the same penumbrae.
         const int picture_px = std::max({frame.width, frame.height, frame.picture_width, frame.picture_height});
         if (sites.penumbra_px <= picture_px) return;
         const bool screen = settings_.screen_metric;
-        const double width = screen ? settings_.width_px : settings_.width;
-        std::ostringstream allowed;
-        allowed << "a number from " << (screen ? 1.0 : kLeastPenumbra) << " to "
-                << width * picture_px / sites.penumbra_px << (screen ? " px" : " scene units")
-                << ": a penumbra may be as wide as the picture with its overscan, which is " << picture_px
-                << " px, and this one is " << std::lround(sites.penumbra_px) << " px wide";
-        refuse_parameter("edtsm", screen ? "penumbra_px" : "penumbra", width, allowed.str());
+        std::ostringstream text;
+        text << "edtsm: a penumbra of " << (screen ? settings_.width_px : settings_.width)
+             << (screen ? " px" : " scene units")
+             << " is wider than the picture, so that borders outside of it are missed; "
+             << "give \"" << (screen ? "penumbra_px" : "penumbra") << "\" a smaller value if that was not meant";
+        engine.warn(text.str());
     }
 
     const gl::Texture& soften(Engine& engine, const LightTask& task, const gl::Texture& hard_tx,
                               const BorderSites::Result& sites) {
         const Frame& frame = task.frame;
         const double picture_px = std::hypot(frame.width, frame.height);
-        const int bound_px = int(std::ceil(std::min(sites.reach_px, picture_px))) + 1;
+        const int bound_px = int(std::ceil(std::min(picture_px, sites.reach_px))) + 1;
         const PictureTiles tiles = sites.tiles.grown(bound_px);
         engine.count("reach_px", bound_px);
         engine.count("penumbra_tiles", std::int64_t(tiles.count()));
