@@ -84,7 +84,8 @@ def find_runs(document: dict) -> list[dict]:
 
 def make_measured_table(techniques: list[dict], document: dict) -> list[str]:
     runs, machine = find_runs(document), document["machine"]
-    columns = ["technique", "truth", *(f"error, {run['scene']}" for run in runs), "time", "memory", "meshes", "size", "lights"]
+    errors = [f"error, {run['scene']}" for run in runs]
+    columns = ["technique", "truth", *errors, "time", "memory", "meshes", "size", "lights"]
     lines = MEASURED.format(resolution=runs[0]["resolution"], **machine).splitlines()
     lines += [make_line(columns), make_line(["---"] * len(columns))]
     for info in techniques:
