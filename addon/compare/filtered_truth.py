@@ -23,8 +23,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from .footprint import choose_views
 from .light_bins import LightBins, SeenTriangles, View, see_triangles
-from .light_squares import Footprint, LightSquares, Receivers, choose_views, group_by_size, make_squares
+from .light_squares import Footprint, LightSquares, Receivers, group_by_size, make_squares
 from .receiver_sheet import Surfaces, find_surfaces
 from .sample_points import LATTICES, PixelSamples
 from .scene_triangles import SceneTriangles
@@ -65,7 +66,7 @@ def compute_filtered_visibility(
     shown = np.zeros(len(triangles.first), dtype=bool)
     shown[triangles.instance[receivers.triangle]] = True
     wanted = np.flatnonzero(is_caster | shown[triangles.instance])
-    chosen = choose_views(views, receivers.points_ws)
+    chosen = choose_views([view.transform(receivers.points_ws) for view in views])
     for number, view in enumerate(views):
         rows = np.flatnonzero(chosen == number)
         if not len(rows) or not len(casters):

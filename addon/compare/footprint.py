@@ -135,18 +135,27 @@ def compute_view_gradients(points_ls: NDArray[np.float64], view: Mapping[str, An
     return gradients
 
 
+def choose_views(points: Sequence[NDArray[np.float64]]) -> NDArray[np.int64]:
+    """Which of a layer's views serves each point, (n,). `points`: the same (n, 3) in the axes of each view. The rule is
+    choose_view's in shaders/shared/view_choice.h: the only view, or that of the cube face that the point lies behind,
+    along whose axis it lies deepest."""
+    if len(points) < 2:
+        return np.zeros(len(points[0]) if points else 0, dtype=np.int64)
+    return np.argmax(np.stack([-point[:, 2] for point in points]), axis=0)
+
+
 def compute_texel_tangents(
     points_rel: NDArray[np.floating],
     tangents_ws: NDArray[np.float64],
     origin_ws: NDArray[np.float64],
     views: Sequence[Mapping[str, Any]],
 ) -> NDArray[np.float64]:
-    """B, d(texel)/d(tangents): (n, 2, 2). `tangents_ws` (n, 3, 2); `views` as the core tells them of a layer, with
-    "view_from_world" (4, 4); of a cube's faces each point takes the one that it lies deepest in."""
+    """B, d(texel)/d(tangents): (n, 2, 2). `tangents_ws` (n, 3, 2); `views` as the core gives them with a layer, with
+    "view_from_world" (4, 4)."""
     matrices = [np.asarray(view["view_from_world"], dtype=np.float64) for view in views]
     points_rel = np.asarray(points_rel, dtype=np.float64)
     points = [points_rel @ matrix[:3, :3].T + (matrix[:3, :3] @ origin_ws + matrix[:3, 3]) for matrix in matrices]
-    chosen = np.argmax(np.stack([-point[:, 2] for point in points]), axis=0)
+    chosen = choose_views(points)
     result = np.empty((len(points_rel), 2, 2))
     for index, (view, matrix, point) in enumerate(zip(views, matrices, points, strict=True)):
         mine = chosen == index

@@ -4,7 +4,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -48,17 +47,6 @@ class LightSquares:
 
     def take(self, rows: NDArray) -> LightSquares:
         return LightSquares(*(getattr(self, name)[rows] for name in self.__dataclass_fields__))
-
-
-def choose_views(views: Sequence[View], points_ws: NDArray[np.float64]) -> NDArray[np.int64]:
-    """For each point (n, 3) the view whose axis it is nearest to, in the measure of a cube's faces."""
-    if len(views) < 2:
-        return np.zeros(len(points_ws), dtype=np.int64)
-    inside = []
-    for view in views:
-        points_ls = view.transform(points_ws)
-        inside.append(-points_ls[:, 2] - np.abs(points_ls[:, :2]).max(axis=1))
-    return np.argmax(inside, axis=0)
 
 
 def make_squares(

@@ -118,9 +118,9 @@ public:
             const LightView* kept = previous && !previous->views.empty() ? &previous->views.front() : nullptr;
             const ViewSeed seed = make_single_seed(sample, kept);
             if (!seed.receivers.is_empty()) sample.views.push_back(make_view(seed, kept));
+            sample.choice = make_view_choice(kOneView, sample.views);
             return;
         }
-        sample.cube = true;
         const ReceiverScan scan(frame_, light_, sample, sample.position_ws, threads_);
         const auto receivers = scan.measure_faces(sample.axes_ws);
         for (int face = 0; face < 6; ++face) {
@@ -133,6 +133,7 @@ public:
             sample.views.push_back(make_view(
                 {true, std::uint8_t(face), axes, sample.position_ws, {-1, 1}, {-1, 1}, receivers[face]}, kept));
         }
+        sample.choice = make_view_choice(kCubeFaces, sample.views);
     }
 
 private:
@@ -269,9 +270,18 @@ private:
 
 }  // namespace
 
+ViewChoice make_view_choice(int kind, const std::vector<LightView>& views) {
+    ViewChoice choice = LightSample().choice;
+    choice.kind = glm::ivec4(kind, int(views.size()), 0, 0);
+    for (std::size_t view = 0; view < views.size(); ++view)
+        choice.view_of_face[views[view].face / 4][views[view].face % 4] = int(view);
+    return choice;
+}
+
 LightSample fit_light_views(const Frame& frame, const Light& light, LightSample point, const ViewSettings& settings,
                             const LightSample* previous, ThreadPool* threads) {
     point.views.clear();
+    point.choice = LightSample().choice;
     if (settings.map_size <= 0) return point;
     point.scene = frame.scene;
     const bool known = previous && previous->scene == frame.scene && point.is_same_place(*previous);

@@ -9,6 +9,7 @@
 #include "frame/frame.h"
 #include "shadow_layers/scene.h"
 #include "shadow_layers/technique_descriptor.h"
+#include "shared/view_choice.h"
 
 namespace shadow_layers {
 
@@ -41,9 +42,10 @@ struct LightSample {
     glm::dmat3 axes_ws{1.0};          ///< columns: x, y, z of the light's cube axes in world space
     double cone_cos = -2;             ///< spot: cos of half the cone; area: 0 (front half-space); else -2 (everything)
     double cone_sin = 0;              ///< sine of the same angle: that of a far, narrow cone is not in its cosine
-    bool cube = false;                ///< receivers choose their view by cube face (views[k].face)
     std::vector<LightView> views;     ///< only those with receivers; empty: no receiver faces this light
     std::shared_ptr<const Scene> scene;  ///< that the views were fitted to; null where none were asked for
+    /// Which of them serves a receiver. All that look up a view ask choose_view (shaders/shared/view_choice.h).
+    ViewChoice choice = {glm::ivec4(kOneView, 0, 0, 0), {glm::ivec4(kNoView), glm::ivec4(kNoView)}};
 
     /// The same light from the same point, whatever its views.
     bool is_same_place(const LightSample& other) const {
@@ -51,6 +53,9 @@ struct LightSample {
                to_light_ws == other.to_light_ws && axes_ws == other.axes_ws && cone_cos == other.cone_cos;
     }
 };
+
+/// The choice among these views, of one of view_choice.h's kinds.
+ViewChoice make_view_choice(int kind, const std::vector<LightView>& views);
 
 /// What the maker of light samples needs to know of the technique.
 struct ViewSettings {

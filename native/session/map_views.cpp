@@ -9,7 +9,7 @@ std::vector<MapView> describe_views(const LightSample& sample) {
     for (const LightView& view : sample.views) {
         MapView& told = views.emplace_back();
         told.perspective = view.perspective;
-        told.face = sample.cube ? int(view.face) : -1;
+        told.face = sample.choice.kind.x == kCubeFaces ? int(view.face) : -1;
         for (int i = 0; i < 2; ++i) {
             const double half = 1 / view.lc_from_ls[i][i];
             told.corner[i] = half * (view.perspective ? view.lc_from_ls[2][i] : -view.lc_from_ls[3][i]) - half;

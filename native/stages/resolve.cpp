@@ -8,18 +8,6 @@
 #include "shadow_layers/error.h"
 
 namespace shadow_layers {
-namespace {
-
-void set_cube_layers(LightParams& params, const LightSample& sample) {
-    params.layer_of_face[0] = glm::ivec4(-1);
-    params.layer_of_face[1] = glm::ivec4(-1, -1, sample.cube ? 1 : 0, int(sample.views.size()));
-    for (std::size_t layer = 0; layer < sample.views.size(); ++layer) {
-        const int face = sample.views[layer].face;
-        params.layer_of_face[face / 4][face % 4] = int(layer);
-    }
-}
-
-}  // namespace
 
 std::span<const LightView> get_shader_views(const LightSample& sample) {
     if (sample.views.size() > std::size_t(kMaxViews))
@@ -42,7 +30,7 @@ LightParams make_light_params(const Frame& frame, const Light& light, const Ligh
     params.place_rel =
         sample.directional ? glm::vec4(glm::vec3(sample.to_light_ws), 0.0f) : glm::vec4(glm::vec3(place_rel), 1.0f);
     params.cone = glm::vec4(float(sample.cone_cos), float(sample.cone_sin), 0.0f, 0.0f);
-    set_cube_layers(params, sample);
+    params.view_choice = sample.choice;
     if (!sample.views.empty()) {
         const LightView& view = sample.views.front();
         params.map =

@@ -78,11 +78,4 @@ void align_with_edges(const Scene& scene, const Light& light, LightFrame& frame)
     frame.axes[1] = c * axes[1] - s * axes[0];
 }
 
-int find_light_face(const LightSample& centre, const glm::dvec3& from_light_ws) {
-    const glm::dvec3 direction = from_light_ws * centre.axes_ws, size = glm::abs(direction);
-    if (size.x >= size.y && size.x >= size.z) return direction.x >= 0 ? 0 : 1;
-    if (size.y >= size.z) return direction.y >= 0 ? 2 : 3;
-    return direction.z >= 0 ? 4 : 5;
-}
-
 }  // namespace shadow_layers

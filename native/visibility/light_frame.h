@@ -33,7 +33,4 @@ std::vector<LightFrame> make_light_frames(const Light& light, const LightSample&
 /// round walls, columns and beams are then thin. Looks at some triangles of some casters.
 void align_with_edges(const Scene& scene, const Light& light, LightFrame& frame);
 
-/// The cube face in which a receiver lies: +X -X +Y -Y +Z -Z of the light's axes.
-int find_light_face(const LightSample& centre, const glm::dvec3& from_light_ws);
-
 }  // namespace shadow_layers

@@ -27,14 +27,6 @@ constexpr std::size_t kMostParts = 32;
 // Measured: about so many receivers a tile do best, if all pixels of the picture are receivers.
 constexpr double kReceiversPerTile = 16;
 
-/// +X -X +Y -Y +Z -Z of the light's axes, as shaders/lib/facing_lib.glsl has it.
-int find_cube_face(const glm::dmat3& axes_ws, const glm::dvec3& direction_ws) {
-    const glm::dvec3 direction = glm::transpose(axes_ws) * direction_ws, size = glm::abs(direction);
-    if (size.x >= size.y && size.x >= size.z) return direction.x >= 0 ? 0 : 1;
-    if (size.y >= size.z) return direction.y >= 0 ? 2 : 3;
-    return direction.z >= 0 ? 4 : 5;
-}
-
 int choose_side(std::size_t pixel_count) {
     return std::clamp(int(std::sqrt(double(pixel_count) / kReceiversPerTile)), 16, 1024);
 }
@@ -62,7 +54,6 @@ public:
             tiles.side = std::clamp(most_tiles, 1, choose_side(frame.pixel_count() / position.views.size()));
             tiles.half_size = 1.0 / tiles.side;
             tiles.tiles.resize(std::size_t(tiles.side) * std::size_t(tiles.side));
-            view_of_face_[position.views[k].face] = int(k);
             rows_.push_back(glm::transpose(position.views[k].lc_from_ws * ws_from_rel));
             projections_.push_back(make_projection(rows_.back(), tiles.side));
             first_tile_.push_back(std::uint32_t(tile_count_));
@@ -143,13 +134,12 @@ private:
     }
 
     int find_view(std::size_t pixel) const {
-        if (!position_.cube) return sorter_.views_.empty() ? -1 : 0;
-        return view_of_face_[find_cube_face(position_.axes_ws, -rule_.get_to_light(pixel))];
+        return choose_view(position_.choice, glm::transpose(position_.axes_ws) * -rule_.get_to_light(pixel));
     }
 
     /// Of the lanes in `lit`, those that fall into this view.
     std::uint32_t keep_view(std::size_t first, std::uint32_t lit, int view) const {
-        if (!position_.cube) return lit;
+        if (position_.choice.kind.x == kOneView) return lit;
         std::uint32_t here = 0;
         for (std::uint32_t left = lit; left != 0; left &= left - 1) {
             const int i = std::countr_zero(left);
@@ -228,7 +218,6 @@ private:
     const FacingRule rule_;
     ThreadPool& threads_;
     const tile_kernel::Build& build_ = tile_kernel::choose_build();
-    int view_of_face_[6] = {-1, -1, -1, -1, -1, -1};
     // by view
     std::vector<glm::dmat4> rows_;  ///< of the clip space from the frame's, as columns
     std::vector<tile_kernel::Projection> projections_;

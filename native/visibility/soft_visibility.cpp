@@ -124,7 +124,7 @@ private:
         std::size_t part = 0;
         if (frames.size() > 1)
             part = std::size_t(
-                find_light_face(samples_.centre(), place + frame_.origin_ws - samples_.centre().position_ws));
+                find_cube_face((place + frame_.origin_ws - samples_.centre().position_ws) * samples_.centre().axes_ws));
         stances_[pixel].part = std::uint8_t(part) & 0x7f;
         stances_[pixel].is_lit_by_all = stance.is_lit_by_all();
         bounds[part].add(place * frames[part].axes,

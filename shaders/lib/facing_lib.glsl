@@ -24,11 +24,3 @@ bool group_is_in(uint group, uvec2 set) {
     uint word = group < 32u ? set.x : set.y;
     return ((word >> (group & 31u)) & 1u) != 0u;
 }
-
-// Cube face of a direction given in the light's axes: +X -X +Y -Y +Z -Z, as in LightView::face.
-int cube_face(vec3 direction) {
-    vec3 size = abs(direction);
-    if (size.x >= size.y && size.x >= size.z) return direction.x >= 0.0 ? 0 : 1;
-    if (size.y >= size.z) return direction.y >= 0.0 ? 2 : 3;
-    return direction.z >= 0.0 ? 4 : 5;
-}

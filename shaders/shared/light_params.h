@@ -3,16 +3,15 @@
 #pragma once
 // One light position as the resolve passes need it: a uniform block in std140 layout, compiled by C++ and by GLSL.
 
+#include "shared/view_choice.h"
+
 #ifdef __cplusplus
-#include <glm/glm.hpp>
 namespace shadow_layers {
-using glm::ivec4;
 using glm::mat4;
 using glm::uvec4;
 using glm::vec4;
 #endif
 
-const int kMaxViews = 6;         // cube faces; a map array has a layer per view
 const int kLightParamsSlot = 0;  // uniform buffer binding
 const int kPositionUnit = 0;     // texture units of the resolve passes
 const int kNormalUnit = 1;
@@ -21,15 +20,15 @@ const int kEdgeMapUnit = 3;
 
 struct LightParams {
     mat4 lc_from_rel[kMaxViews];  // by map layer
-    vec4 axes_rel[3];             // the position's x, y and z axis: cube faces, cone; w: dot(axis, position), in double
+    vec4 axes_rel[3];             // the sample's x, y and z axis: view choice, cone; w: dot(axis, position), in double
     vec4 place_rel;               // w = 1: the position; w = 0: unit vector towards the sun
     vec4 cone;                    // cosine (-2: all directions) and sine of half the cone's angle; zw unused
-    ivec4 layer_of_face[2];       // faces 0..3 and 4, 5; -1: no view. [1].z = 1: a cube; [1].w = number of views
+    ViewChoice view_choice;       // of a map layer
     vec4 map;                     // texels per side with border, its inverse, border in texels, unused
     uvec4 receivers;              // light's receiver set (low, high word); z = 1: casts shadows
 };
 
 #ifdef __cplusplus
-static_assert(sizeof(LightParams) == 64 * 6 + 16 * 9, "std140 layout");
+static_assert(sizeof(LightParams) == 64 * 6 + 16 * 10, "std140 layout");
 }  // namespace shadow_layers
 #endif

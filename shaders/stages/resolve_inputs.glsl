@@ -38,11 +38,9 @@ Receiver fetch_receiver(ivec2 pixel) {
     return receiver;
 }
 
-// Map layer that holds the receiver, or -1.
+// Map layer that holds the receiver, or kNoView.
 int choose_layer(Receiver receiver) {
-    if (light.layer_of_face[1].z == 0) return light.layer_of_face[1].w > 0 ? 0 : -1;
-    int face = cube_face(-receiver.to_light_axes);
-    return face < 4 ? light.layer_of_face[0][face] : light.layer_of_face[1][face - 4];
+    return choose_view(light.view_choice, -receiver.to_light_axes);
 }
 
 MapPoint locate_in_map(Receiver receiver, int layer) {

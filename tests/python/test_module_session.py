@@ -15,6 +15,10 @@ import numpy as np
 import pytest
 import small_scene
 
+sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "addon"))
+
+from compare.footprint import choose_views
+
 SIZE = {"width": 64, "height": 48}
 # Slow enough to be met in the middle on any machine, and stopped long before its end.
 LONG = {"width": 640, "height": 480, "samples": 64}
@@ -72,7 +76,8 @@ def test_views_tell_where_a_point_lies_in_the_map(core, session, kind):
     assert sum(view["face"] < 0 for view in layer.views) == (1 if kind in ("SUN", "SPOT") else 0)
     assert [view["perspective"] for view in layer.views] == [kind != "SUN"] * len(layer.views)
     visibility, seen = layer.channels["visibility"].ravel(), np.zeros(len(points), int)
-    for view in layer.views:
+    chosen = choose_views([(points @ view["view_from_world"].T)[:, :3] for view in layer.views])
+    for index, view in enumerate(layer.views):
         x, y, z, _ = (points @ view["view_from_world"].T).T
         in_face = (view["face"] < 0) | ((-z > np.abs(x) + 1e-6) & (-z > np.abs(y) + 1e-6))
         across = np.stack([x, y], axis=1) / (-z[:, None] if view["perspective"] else 1)
@@ -81,6 +86,7 @@ def test_views_tell_where_a_point_lies_in_the_map(core, session, kind):
         texel = np.floor(place).astype(int) @ (1, 1000)
         shadow, lit = (set(texel[certain & (visibility == value)]) for value in (0, 1))
         assert shadow.isdisjoint(lit)
+        assert (chosen[in_face] == index).all()
         seen += in_face
     assert seen.max() == 1 and seen.mean() > 0.98 and 0.02 < (visibility == 0).mean() < 0.4
 

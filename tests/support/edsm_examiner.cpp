@@ -73,7 +73,7 @@ struct EDSMExaminer::Impl {
 
     /// Of a cube the face that the receiver lies behind, else the only view. None: no caster is before the receiver.
     std::optional<std::size_t> choose_view(const glm::dvec3& receiver_ws) const {
-        if (!position.cube) return 0;
+        if (position.choice.kind.x == kOneView) return 0;
         const glm::dvec3 way = glm::transpose(position.axes_ws) * (receiver_ws - position.position_ws);
         const glm::dvec3 length = glm::abs(way);
         const int axis = length.x >= length.y && length.x >= length.z ? 0 : length.y >= length.z ? 1 : 2;

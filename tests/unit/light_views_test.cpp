@@ -59,7 +59,7 @@ std::vector<const LightView*> views_of(const LightSample& position, const glm::d
     for (const LightView& view : position.views) {
         const int axis = view.face / 2;
         const double most = std::max({reach.x, reach.y, reach.z});
-        if (!position.cube || (reach[axis] == most && (local[axis] < 0) == (view.face % 2 == 1)))
+        if (position.choice.kind.x == kOneView || (reach[axis] == most && (local[axis] < 0) == (view.face % 2 == 1)))
             found.push_back(&view);
     }
     return found;
@@ -405,8 +405,12 @@ TEST(LightViews, OnlyFacesWithReceiversAreMade) {
     // An area light that looks up lights nothing of a floor below.
     EXPECT_TRUE(make_light_samples(frame, light_of(LightKind::Area, {0, 0, 6}, {0, 0.1, 9}), {})[0].views.empty());
     // A narrow spot has one view, a wide one cube faces, all in front.
-    EXPECT_FALSE(make_light_samples(frame, light_of(LightKind::Spot, {0, 0, 3}, {0, 0, 0}, 119), {})[0].cube);
-    EXPECT_TRUE(make_light_samples(frame, light_of(LightKind::Spot, {0, 0, 3}, {0, 0, 0}, 121), {})[0].cube);
+    const auto kind_of_spot = [&](double angle_deg) {
+        return make_light_samples(frame, light_of(LightKind::Spot, {0, 0, 3}, {0, 0, 0}, angle_deg), {})[0]
+            .choice.kind.x;
+    };
+    EXPECT_EQ(kind_of_spot(119), kOneView);
+    EXPECT_EQ(kind_of_spot(121), kCubeFaces);
 }
 
 TEST(LightViews, FitIsTight) {
