@@ -133,7 +133,7 @@ def make_parser() -> argparse.ArgumentParser:
     add("--threads", metavar="N", type=parse_count(1, 256), help="CPU threads (default: all cores)")
     add("--backend", choices=("auto", "osmesa", "egl"), help="where the maps are drawn (default: as set in the file)")
     add("--repeat", metavar="N", type=parse_count(1, 1000), default=1,
-        help="compare: render N times; the later ones' median, with maps cached, is told too")  # fmt: skip
+        help="compare: render N times; the later ones' median, with maps cached, is reported too")  # fmt: skip
     add("--border-samples", metavar="N", type=parse_count(1, 16), default=3,
         help="compare: the truth's samples across a pixel, for shift and staircase (default 3)")  # fmt: skip
     add("--truth", metavar="KIND,KIND", type=parse_truths, default=["named"],

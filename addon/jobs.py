@@ -78,7 +78,7 @@ def plan_passes(light_names: Sequence[str], jobs: Sequence[Job]) -> list[Planned
 
 
 def predicted_lights(scene: Any, view_layer: Any) -> list[SceneLight]:
-    """The lights that a render of the view layer will find, told from the scene without evaluating it: those in its
+    """The lights that a render of the view layer will find, read from the scene without evaluating it: those in its
     collections and in collection instances. Lights made by geometry nodes or particles are not foreseen; their passes
     are added while rendering and have no compositor socket."""
     namer = LightNamer()

@@ -81,7 +81,7 @@ class Table:
     name: str
     title: str
     axes: dict[str, list]
-    against: list[str] = field(default_factory=list)  # methods that times are told as ratios to, beside sm
+    against: list[str] = field(default_factory=list)  # methods that times are given as ratios to, beside sm
     runs: list[Run] = field(default_factory=list)
     missing: list[str] = field(default_factory=list)  # methods whose technique the core does not have
 
@@ -274,7 +274,7 @@ def check_parameters(where: str, row: Row, technique: dict) -> None:
 
 
 def add_reference(rows: list[Row]) -> list[Row]:
-    """sm in front, at each map size that occurs: what all times are told as ratios to."""
+    """sm in front, at each map size that occurs: what all times are given as ratios to."""
     sizes = list(dict.fromkeys(row.settings["map_size"] for row in rows if "map_size" in row.settings))
     there = {row.settings.get("map_size") for row in rows if row.technique == "sm"}
     extra = [Row("sm", "sm", {"map_size": size}, {"map_size": size}) for size in sizes if size not in there]

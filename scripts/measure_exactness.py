@@ -68,10 +68,10 @@ def list_counts(counts: Mapping[str, int]) -> str:
 
 
 def tell_causes(causes: dict[str, Any]) -> str:
-    told = list_counts(causes["counts"])
+    reported = list_counts(causes["counts"])
     if causes["sorted"] < causes["wrong"]:
-        told += f" (of {causes['sorted']})"
-    return told
+        reported += f" (of {causes['sorted']})"
+    return reported
 
 
 class SceneRows:

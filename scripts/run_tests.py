@@ -172,8 +172,8 @@ def run_step(step: Step) -> Outcome:
     lines = []
     if not outcome.good:
         lines = (logs / f"{step.name}.log").read_text(encoding="utf-8", errors="replace").splitlines()[-60:]
-    told = f"{step.name}: {outcome.passed} passed, {outcome.failed} failed, {outcome.skipped} skipped"
-    print("\n".join([*lines, told]), flush=True)
+    reported = f"{step.name}: {outcome.passed} passed, {outcome.failed} failed, {outcome.skipped} skipped"
+    print("\n".join([*lines, reported]), flush=True)
     return outcome
 
 

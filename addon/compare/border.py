@@ -193,8 +193,8 @@ def _measure_pieces(
     # Against the border moved by the shift, the pixels that it passed over change sides.
     held = np.zeros(lit.shape, dtype=bool)
     held[border.rows[paired], border.columns[paired]] = True
-    reach_px = min(abs(shift) * wrong.texel_px.max(initial=0.0), LONGEST_SEARCH_PX)
-    passed = comparable & (lit == truth) & (truth if shift < 0 else ~truth) & dilate(held, int(np.ceil(reach_px)) + 1)
+    radius_px = min(abs(shift) * wrong.texel_px.max(initial=0.0), LONGEST_SEARCH_PX)
+    passed = comparable & (lit == truth) & (truth if shift < 0 else ~truth) & dilate(held, int(np.ceil(radius_px)) + 1)
     right = _find_strip(passed, truth, border, paired, texels)
     area = square_px = square_texels = 0.0
     for strip, is_right in ((wrong, False), (right, True)):

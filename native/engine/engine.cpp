@@ -36,7 +36,7 @@ StageTimer::~StageTimer() {
 
 Engine::Engine(Context& context, const EngineOptions& options)
     : stages_(options.gpu_cache_bytes / 2), mesh_data_(options.host_cache_bytes) {
-    // First, so that a wrong folder is told before anything costly is made.
+    // First, so that a wrong folder is reported before anything costly is made.
     sources_ = std::make_unique<gl::ShaderSource>(options.shader_dir);
     device_ = std::make_unique<gl::Device>(loader(), &context, options.debug);
     threads_ = std::make_unique<ThreadPool>(options.threads);

@@ -38,19 +38,19 @@ CullResult cull_range(const Scene& scene, const Camera& camera, const std::vecto
     const std::array<Halfspace, 6> halfspaces = list_halfspaces(camera);
     const glm::dmat4 view = camera_from_world(camera);
     const glm::dmat3 axes(view);
-    const glm::dmat3 reach_axes(glm::abs(axes[0]), glm::abs(axes[1]), glm::abs(axes[2]));
+    const glm::dmat3 extent_axes(glm::abs(axes[0]), glm::abs(axes[1]), glm::abs(axes[2]));
     CullResult result;
     for (std::size_t i = begin; i < end; ++i) {
         if (!(scene.instances[i].flags & (kInstanceCamera | kInstanceHoldout)) || bounds_ws[i].is_empty()) continue;
         const glm::dvec3 centre(view * glm::dvec4(0.5 * (bounds_ws[i].min + bounds_ws[i].max), 1.0));
-        const glm::dvec3 reach = reach_axes * (0.5 * (bounds_ws[i].max - bounds_ws[i].min));
+        const glm::dvec3 half_extent = extent_axes * (0.5 * (bounds_ws[i].max - bounds_ws[i].min));
         const auto is_outside = [&](const Halfspace& h) {
-            return glm::dot(h.normal, centre) + glm::dot(glm::abs(h.normal), reach) + h.offset < 0;
+            return glm::dot(h.normal, centre) + glm::dot(glm::abs(h.normal), half_extent) + h.offset < 0;
         };
         if (std::any_of(halfspaces.begin(), halfspaces.end(), is_outside)) continue;
         result.instances.push_back(std::uint32_t(i));
-        result.near_vs = std::min(result.near_vs, -centre.z - reach.z);
-        result.far_vs = std::max(result.far_vs, -centre.z + reach.z);
+        result.near_vs = std::min(result.near_vs, -centre.z - half_extent.z);
+        result.far_vs = std::max(result.far_vs, -centre.z + half_extent.z);
     }
     return result;
 }

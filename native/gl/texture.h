@@ -9,7 +9,7 @@
 
 namespace shadow_layers::gl {
 
-/// Immutable storage. Filter is nearest and wrap is clamp to edge until told otherwise; an integer format can't be
+/// Immutable storage. Filter is nearest and wrap is clamp to edge until set otherwise; an integer format can't be
 /// filtered.
 struct TextureDesc {
     GLenum format = GL_R32F;  ///< sized internal format; see bytes_per_texel

@@ -40,7 +40,7 @@ void fill_unoccluded_visibility(const Frame& frame, const Light& light, std::spa
             for (const FacingRule& rule : rules) {
                 const Facing facing = rule.classify(pixel);
                 sum += get_unoccluded_visibility(facing);
-                is_lit = is_lit || facing == Facing::Lit;
+                is_lit = is_lit || facing == Facing::Undecided;
             }
             visibility[pixel] = is_lit ? 1.0f : sum / float(rules.size());
         }

@@ -18,7 +18,7 @@ enum class Facing : std::uint8_t {
     OutsideCone,  ///< outside the spot's cone, or not in front of an area light
     Unlinked,     ///< the receiver's group is not in the light's receiver_set
     TurnedAway,   ///< the side that the camera sees is not turned to the light (edge-on counts as turned away)
-    Lit,          ///< visibility is decided by what lies between
+    Undecided,    ///< turned to the light: what lies between decides the visibility
 };
 
 /// Visibility where nothing occludes: 0 on faces turned away, else 1.
@@ -41,7 +41,7 @@ public:
         if (!is_receiver(pixel)) return Facing::Background;
         if (!in_cone) return Facing::OutsideCone;
         if (!is_linked(frame_.ids[pixel].instance)) return Facing::Unlinked;
-        return turned_to_light ? Facing::Lit : Facing::TurnedAway;
+        return turned_to_light ? Facing::Undecided : Facing::TurnedAway;
     }
 
     /// A linked receiver: cone and side decide. Others are 1. For a caller that takes many pixels at once.

@@ -39,7 +39,7 @@ Vector<T> find_to_light(const Source& source, const Vector<T>& receiver) {
     return {T(source.place[0]) - receiver.x, T(source.place[1]) - receiver.y, T(source.place[2]) - receiver.z};
 }
 
-/// Is the direction inside the source's cone? The rim is inside. Decided by the way across the axis, not by
+/// Is the direction inside the source's cone? The rim is inside. Decided by the component across the axis, not by
 /// the cosine: a spot as narrow as 1e-6 keeps its rim. `slack` widens the cone by that part of it.
 template <class T>
 auto is_in_cone(const Source& source, const Vector<T>& to_light, double slack = 0) {

@@ -162,8 +162,8 @@ private:
     /// The frame of a spot's map: the square round its cone; what the scene takes up of it if the light is far away,
     /// so that a spot that goes to infinity ends with the texels of a sun.
     void set_spot_frame(ViewSeed& seed) const {
-        const double reach = std::tan(0.5 * light_.spot_angle);
-        seed.u = seed.v = {-reach, reach};
+        const double half_side = std::tan(0.5 * light_.spot_angle);
+        seed.u = seed.v = {-half_side, half_side};
         const glm::dmat4 ls_from_ws = compute_ls_from_ws(seed);
         Bounds depths, seen;
         for (const Instance& instance : scene_.instances) {

@@ -118,15 +118,15 @@ std::array<Bounds, 6> ReceiverScan::measure_faces(const glm::dmat3& light_axes) 
     for (int face = 0; face < 6; ++face) faces[face] = compute_face_axes(light_axes, face);
     return collect(1, std::array<Bounds, 6>(), [&](const glm::dvec3& from_origin, std::array<Bounds, 6>& boxes) {
         const glm::dvec3 local = glm::transpose(light_axes) * from_origin;
-        const glm::dvec3 reach = glm::abs(local);
-        const double least = (1 - kFaceSlack) * std::max({reach.x, reach.y, reach.z});
+        const glm::dvec3 magnitude = glm::abs(local);
+        const double least = (1 - kFaceSlack) * std::max({magnitude.x, magnitude.y, magnitude.z});
         if (!(least > 0)) return;  // at the light's own position: no face sees it
         for (int axis = 0; axis < 3; ++axis) {
-            if (reach[axis] < least) continue;
+            if (magnitude[axis] < least) continue;
             const int face = 2 * axis + (local[axis] < 0 ? 1 : 0);
             const ViewAxes& view = faces[face];
             const double x = glm::dot(view[0], from_origin), y = glm::dot(view[1], from_origin);
-            boxes[face].add({x / reach[axis], y / reach[axis], reach[axis]});
+            boxes[face].add({x / magnitude[axis], y / magnitude[axis], magnitude[axis]});
         }
     });
 }

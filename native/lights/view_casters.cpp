@@ -28,9 +28,9 @@ struct OrientedBox {
     /// Largest and smallest value of dot(normal, p) over the box.
     Interval span(const glm::dvec3& normal) const {
         const double centre = glm::dot(normal, middle);
-        const double reach = std::abs(glm::dot(normal, half[0])) + std::abs(glm::dot(normal, half[1])) +
-                             std::abs(glm::dot(normal, half[2]));
-        return {centre - reach, centre + reach};
+        const double half_extent = std::abs(glm::dot(normal, half[0])) + std::abs(glm::dot(normal, half[1])) +
+                                   std::abs(glm::dot(normal, half[2]));
+        return {centre - half_extent, centre + half_extent};
     }
     glm::dvec3 corner(int k) const {
         return middle + (k & 1 ? half[0] : -half[0]) + (k & 2 ? half[1] : -half[1]) + (k & 4 ? half[2] : -half[2]);

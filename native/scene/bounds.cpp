@@ -25,8 +25,9 @@ Bounds transform_bounds(const Bounds& bounds, const glm::dmat4& matrix) {
     const glm::dvec3 middle = 0.5 * (bounds.min + bounds.max), half = 0.5 * (bounds.max - bounds.min);
     const auto linear = glm::dmat3(matrix);
     const glm::dvec3 centre = linear * middle + glm::dvec3(matrix[3]);
-    const glm::dvec3 reach = glm::abs(linear[0]) * half.x + glm::abs(linear[1]) * half.y + glm::abs(linear[2]) * half.z;
-    return {centre - reach, centre + reach};
+    const glm::dvec3 half_extent =
+        glm::abs(linear[0]) * half.x + glm::abs(linear[1]) * half.y + glm::abs(linear[2]) * half.z;
+    return {centre - half_extent, centre + half_extent};
 }
 
 Bounds compute_instance_bounds(const Scene& scene, const Instance& instance) {

@@ -314,7 +314,7 @@ std::shared_ptr<const BoxTree> make_box_tree(std::span<const ItemBox> boxes, Thr
     auto tree = std::make_shared<BoxTree>();
     if (primitives.empty()) return tree;
     Builder(primitives, threads).build(*tree);
-    // Leaves lie in the order of nodes, not of items: where one ends is told by the least start behind it.
+    // Leaves lie in the order of nodes, not of items: where one ends follows from the least start behind it.
     std::vector<std::uint32_t> starts = tree->leaf_first;
     std::sort(starts.begin(), starts.end());
     starts.push_back(std::uint32_t(primitives.size()));

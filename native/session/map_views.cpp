@@ -7,15 +7,15 @@ namespace shadow_layers {
 std::vector<MapView> describe_views(const LightSample& sample) {
     std::vector<MapView> views;
     for (const LightView& view : sample.views) {
-        MapView& told = views.emplace_back();
-        told.perspective = view.perspective;
-        told.face = sample.choice.kind.x == kCubeFaces ? int(view.face) : -1;
+        MapView& described = views.emplace_back();
+        described.perspective = view.perspective;
+        described.face = sample.choice.kind.x == kCubeFaces ? int(view.face) : -1;
         for (int i = 0; i < 2; ++i) {
             const double half = 1 / view.lc_from_ls[i][i];
-            told.corner[i] = half * (view.perspective ? view.lc_from_ls[2][i] : -view.lc_from_ls[3][i]) - half;
-            told.texel_size[i] = 2 * half / view.size_texels;
+            described.corner[i] = half * (view.perspective ? view.lc_from_ls[2][i] : -view.lc_from_ls[3][i]) - half;
+            described.texel_size[i] = 2 * half / view.size_texels;
         }
-        told.view_from_world = view.ls_from_ws;
+        described.view_from_world = view.ls_from_ws;
     }
     return views;
 }

@@ -123,7 +123,7 @@ void RenderRun::run_sample(const Batch& batch, std::size_t sample) {
     engine_.set_record(nullptr);
 }
 
-/// What frames take is told of the frame, not of the layer that happens to be the first to want them.
+/// What frames take is view_info of the frame, not of the layer that happens to be the first to want them.
 FrameSet::Part& RenderRun::get_frames(int overscan_px) {
     const WallClock clock;
     FrameSet::Part& part = frames_.get(overscan_px);

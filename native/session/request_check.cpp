@@ -59,8 +59,8 @@ void check_picture(const RenderRequest& request, const ResolvedRequest& resolved
     const long long overscan = 2LL * largest_px;
     if (r.width + overscan > limit || r.height + overscan > limit)
         refuse("a picture of " + std::to_string(r.width) + "x" + std::to_string(r.height) + " with an overscan of " +
-               std::to_string(largest_px) + " pixels is beyond this driver's limit of " +
-               std::to_string(limit) + "; render it in regions");
+               std::to_string(largest_px) + " pixels is beyond this driver's limit of " + std::to_string(limit) +
+               "; render it in regions");
 }
 
 }  // namespace

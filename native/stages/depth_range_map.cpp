@@ -37,20 +37,21 @@ struct RangeTextures {
 };
 
 void dilate(Engine& engine, const RangeTextures& from, const RangeTextures& to, const glm::ivec2& axis,
-            int reach_blocks) {
+            int radius_blocks) {
     const gl::Program& program = engine.program("frame/fullscreen.vert", "stages/depth_range_dilate.frag");
     program.use();
     program.set("u_axis", axis);
-    program.set("u_reach_blocks", reach_blocks);
+    program.set("u_radius_blocks", radius_blocks);
     from.bind();
-    to.fill(engine, program, 4 * reach_blocks + 2);
+    to.fill(engine, program, 4 * radius_blocks + 2);
 }
 
-std::shared_ptr<const DepthRangeMap> draw_depth_range_map(Engine& engine, const DepthMap& depth_map, int reach_texels) {
+std::shared_ptr<const DepthRangeMap> draw_depth_range_map(Engine& engine, const DepthMap& depth_map,
+                                                          int radius_texels) {
     const auto timer = engine.time_stage("depth_range");
     const gl::Texture& depth_tx = *depth_map.texture;
     const int side_blocks = (depth_tx.width() + kRangeBlockTexels - 1) / kRangeBlockTexels;
-    const int reach_blocks = (reach_texels + kRangeBlockTexels - 1) / kRangeBlockTexels;
+    const int radius_blocks = (radius_texels + kRangeBlockTexels - 1) / kRangeBlockTexels;
     const RangeTextures made(engine, side_blocks, depth_tx.layers());
     {
         const gl::Program& program = engine.program("frame/fullscreen.vert", "stages/depth_range_blocks.frag");
@@ -59,10 +60,10 @@ std::shared_ptr<const DepthRangeMap> draw_depth_range_map(Engine& engine, const 
         depth_tx.bind(kDepthMapUnit);
         made.fill(engine, program, kRangeBlockTexels * kRangeBlockTexels);
     }
-    if (reach_blocks > 0) {
+    if (radius_blocks > 0) {
         const RangeTextures rows(engine, side_blocks, depth_tx.layers());
-        dilate(engine, made, rows, {1, 0}, reach_blocks);
-        dilate(engine, rows, made, {0, 1}, reach_blocks);
+        dilate(engine, made, rows, {1, 0}, radius_blocks);
+        dilate(engine, rows, made, {0, 1}, radius_blocks);
     }
     auto map = std::make_shared<DepthRangeMap>();
     map->range_tx = made.range_tx;
@@ -78,10 +79,10 @@ void DepthRangeMap::bind() const {
 }
 
 std::shared_ptr<const DepthRangeMap> render_depth_range_map(Engine& engine, const DepthMap& depth_map,
-                                                            int reach_texels) {
-    const ContentKey key = KeyBuilder("depth_range_map").add(depth_map.key).add(reach_texels).key();
+                                                            int radius_texels) {
+    const ContentKey key = KeyBuilder("depth_range_map").add(depth_map.key).add(radius_texels).key();
     auto map =
-        engine.stages().get<DepthRangeMap>(key, [&] { return draw_depth_range_map(engine, depth_map, reach_texels); });
+        engine.stages().get<DepthRangeMap>(key, [&] { return draw_depth_range_map(engine, depth_map, radius_texels); });
     engine.count("map_bytes", std::int64_t(map->byte_size()));
     return map;
 }

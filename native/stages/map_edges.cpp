@@ -81,7 +81,7 @@ std::vector<MapEdge> project_to_view(Engine& engine, const Scene& scene, const s
                 const glm::dvec4 a = lc_from_object * glm::dvec4(glm::dvec3(mesh.positions[edge.a]), 1.0);
                 const glm::dvec4 b = lc_from_object * glm::dvec4(glm::dvec3(mesh.positions[edge.b]), 1.0);
                 MapEdge projected;
-                if (project_edge(view, a, b, options.reach_texels, options.foreshortened, projected))
+                if (project_edge(view, a, b, options.half_width_texels, options.foreshortened, projected))
                     parts[i].push_back(projected);
             }
         }
@@ -97,9 +97,9 @@ std::vector<MapEdge> project_to_view(Engine& engine, const Scene& scene, const s
 
 }  // namespace
 
-bool project_edge(const LightView& view, glm::dvec4 start_lc, glm::dvec4 end_lc, double reach_texels,
+bool project_edge(const LightView& view, glm::dvec4 start_lc, glm::dvec4 end_lc, double half_width_texels,
                   bool foreshortened, MapEdge& result) {
-    const double rim = 1.0 + 2.0 * reach_texels / view.size_texels;
+    const double rim = 1.0 + 2.0 * half_width_texels / view.size_texels;
     const double least_w = view.perspective ? 1e-4 * view.near_ls : 0.5;
     double from = 0, to = 1;
     if (!cut(start_lc.w - least_w, end_lc.w - least_w, from, to)) return false;

@@ -13,16 +13,16 @@
 namespace shadow_layers {
 
 /// An edge in light clip space to an edge in the map: cut at the near side (w > 0), at the far plane and at a frame of
-/// `reach_texels` round the map, all in double. False if nothing is left. `foreshortened`: quads keep their width in
-/// texels (false), or shrink with the distance from the light as if built before the perspective division (true, w =
+/// `half_width_texels` round the map, all in double. False if nothing is left. `foreshortened`: quads keep their width
+/// in texels (false), or shrink with the distance from the light as if built before the perspective division (true, w =
 /// near / w).
-bool project_edge(const LightView& view, glm::dvec4 start_lc, glm::dvec4 end_lc, double reach_texels,
+bool project_edge(const LightView& view, glm::dvec4 start_lc, glm::dvec4 end_lc, double half_width_texels,
                   bool foreshortened, MapEdge& result);
 
 struct MapEdgeOptions {
     SilhouetteOptions silhouettes;
-    double reach_texels = 1.5;   ///< half the width of a quad
-    bool foreshortened = false;  ///< quads built before the perspective division
+    double half_width_texels = 1.5;  ///< half the width of a quad
+    bool foreshortened = false;      ///< quads built before the perspective division
 };
 
 /// Silhouette edges as each view of a light sample sees them.

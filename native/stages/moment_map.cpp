@@ -57,7 +57,7 @@ public:
     MomentMapMaker(Engine& engine, const DepthMap& depth_map, const MomentMapOptions& options)
         : engine_(engine), depth_tx_(*depth_map.texture), options_(options) {}
 
-    std::shared_ptr<gl::Texture> make(const std::vector<float>& stretches) {
+    std::shared_ptr<gl::Texture> make(const std::vector<float>& relative_ranges) {
         const int size = depth_tx_.width(), layers = depth_tx_.layers();
         const int levels = std::min(count_levels(options_.widest_texels), count_levels(size));
         auto texture = std::make_shared<gl::Texture>(
@@ -70,12 +70,12 @@ public:
             gl::Framebuffer map_fb(engine_.device(), "moment map layer");
             map_fb.attach_color(0, texture, layer);
             if (options_.radius == 0) {
-                encode(layer, stretches[std::size_t(layer)], map_fb);
+                encode(layer, relative_ranges[std::size_t(layer)], map_fb);
                 continue;
             }
             gl::Framebuffer rows_fb(engine_.device(), "moments, rows averaged");
             rows_fb.attach_color(0, rows_tx);
-            encode(layer, stretches[std::size_t(layer)], rows_fb);
+            encode(layer, relative_ranges[std::size_t(layer)], rows_fb);
             blur_columns(*rows_tx, map_fb);
         }
         make_levels(texture);
@@ -84,13 +84,13 @@ public:
     }
 
 private:
-    void encode(int layer, float stretch, const gl::Framebuffer& target) {
+    void encode(int layer, float relative_range, const gl::Framebuffer& target) {
         const auto timer = engine_.time_stage("moment_map");
         const gl::Program& program =
             engine_.program("frame/fullscreen.vert", "stages/moment_map.frag", {{"ENCODE", options_.encode}});
         program.use();
         program.set("u_layer", layer);
-        program.set("u_stretch", stretch);
+        program.set("u_relative_range", relative_range);
         program.set("u_exponents", glm::vec2(options_.exponents));
         set_blur(program, options_);
         depth_tx_.bind(kDepthMapUnit);
@@ -134,12 +134,12 @@ private:
     const MomentMapOptions& options_;
 };
 
-std::vector<float> find_stretches(const LightSample& sample) {
-    std::vector<float> stretches;
+std::vector<float> find_relative_ranges(const LightSample& sample) {
+    std::vector<float> relative_ranges;
     for (const LightView& view : sample.views)
-        stretches.push_back(view.perspective ? float(view.far_ls / view.near_ls - 1) : 0.0f);
-    if (stretches.empty()) stretches.push_back(0.0f);
-    return stretches;
+        relative_ranges.push_back(view.perspective ? float(view.far_ls / view.near_ls - 1) : 0.0f);
+    if (relative_ranges.empty()) relative_ranges.push_back(0.0f);
+    return relative_ranges;
 }
 
 }  // namespace
@@ -165,7 +165,7 @@ double compute_blur_variance(int radius, BlurFilter filter) {
 
 void MomentMap::bind(const gl::Program& program) const {
     texture->bind(kMomentMapUnit);
-    set_floats(program, "u_stretches", stretches);
+    set_floats(program, "u_relative_ranges", relative_ranges);
     program.set("u_kernel", glm::vec3(float(compute_blur_variance(options.radius, options.filter)),
                                       float(options.radius), float(1 << (texture->levels() - 1))));
     const int bits =
@@ -174,7 +174,7 @@ void MomentMap::bind(const gl::Program& program) const {
     program.set("u_unit_roundoff", float(unit));
 }
 
-int find_reach_texels(const MomentMapOptions& options) {
+int find_margin_texels(const MomentMapOptions& options) {
     const int levels = options.widest_texels > 1 ? 2 * options.widest_texels + 1 : 0;
     return options.radius + levels;
 }
@@ -192,9 +192,9 @@ std::shared_ptr<const MomentMap> render_moment_map(Engine& engine, const LightSa
                                .key();
     auto map = engine.stages().get<MomentMap>(key, [&] {
         auto made = std::make_shared<MomentMap>();
-        made->stretches = find_stretches(sample);
+        made->relative_ranges = find_relative_ranges(sample);
         made->options = options;
-        made->texture = MomentMapMaker(engine, depth_map, options).make(made->stretches);
+        made->texture = MomentMapMaker(engine, depth_map, options).make(made->relative_ranges);
         made->key = key;
         return made;
     });

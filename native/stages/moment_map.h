@@ -31,11 +31,11 @@ struct MomentMapOptions {
 /// A depth map made into something that can be averaged: linear depths (shaders/lib/linear_depth_lib.glsl), encoded,
 /// blurred by a separable kernel and, if asked for, averaged down to mipmaps. An array with a layer per view, read with
 /// linear filters; a layer knows nothing of the others. Texels beyond the rim count as the rim's: who asks for
-/// find_reach_texels() of border never sees them.
+/// find_margin_texels() of border never sees them.
 struct MomentMap {
     std::shared_ptr<const gl::Texture> texture;
     ContentKey key;
-    std::vector<float> stretches;  ///< by layer: what turns its reversed depths into linear ones
+    std::vector<float> relative_ranges;  ///< by layer: what turns its reversed depths into linear ones
     MomentMapOptions options;
     std::size_t byte_size() const { return texture->byte_size(); }
 
@@ -44,7 +44,7 @@ struct MomentMap {
 };
 
 /// How far lookups reach over a receiver's 2 x 2 texels: the border that a technique asks for.
-int find_reach_texels(const MomentMapOptions& options);
+int find_margin_texels(const MomentMapOptions& options);
 
 /// Cached by the depth map's key and the options. Adds to "map_bytes"; stages "moment_map", "moment_blur",
 /// "moment_levels".

@@ -38,7 +38,7 @@ void scan_columns(const std::uint8_t* mask, std::size_t width, int height, int b
         for (std::size_t x = 0; x < count; ++x) row[x] = carried[x] = mask_row[x] ? std::int16_t(y) : carried[x];
     }
     std::fill_n(carried, count, kRowAboveAll);
-    const auto reach = std::int16_t(std::min(bound, kLargestTransformSide - 1));
+    const auto radius = std::int16_t(std::min(bound, kLargestTransformSide - 1));
     for (int y = height - 1; y >= 0; --y) {
         const std::uint8_t* mask_row = mask + std::size_t(y) * width + begin;
         std::int16_t* row = rows + std::size_t(y) * width + begin;
@@ -46,7 +46,7 @@ void scan_columns(const std::uint8_t* mask, std::size_t width, int height, int b
             carried[x] = mask_row[x] ? std::int16_t(y) : carried[x];
             const auto below = std::int16_t(y - row[x]), above = std::int16_t(carried[x] - y);
             const std::int16_t nearer = above < below ? carried[x] : row[x];
-            row[x] = std::min(above, below) <= reach ? nearer : kNoRow;
+            row[x] = std::min(above, below) <= radius ? nearer : kNoRow;
         }
     }
 }
@@ -116,9 +116,9 @@ private:
         for (std::size_t k = 0; k < count_; ++k) {
             const Owner& owner = owners_[k];
             int begin = owner.begin, end = k + 1 < count_ ? owners_[k + 1].begin : width_;
-            const int reach = int(std::sqrt(double(bound_ * bound_ - owner.square)));
-            begin = std::max(begin, owner.x - reach);
-            end = std::min(end, owner.x + reach + 1);
+            const int radius = int(std::sqrt(double(bound_ * bound_ - owner.square)));
+            begin = std::max(begin, owner.x - radius);
+            end = std::min(end, owner.x + radius + 1);
             if (begin >= end) continue;
             std::fill(nearest + filled_, nearest + begin, kNoSite);
             std::fill(nearest + begin, nearest + end, std::uint32_t(owner.site_y) << 16 | std::uint32_t(owner.x));

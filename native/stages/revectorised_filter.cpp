@@ -61,7 +61,7 @@ double count_reads(const RevectorisedFilterSettings& settings) {
 
 }  // namespace
 
-int RevectorisedFilterSettings::window_reach() const { return ((kernel - 1) * spacing_texels + 1) / 2 + rim(*this); }
+int RevectorisedFilterSettings::window_radius() const { return ((kernel - 1) * spacing_texels + 1) / 2 + rim(*this); }
 
 void RevectorisedFilterPass::prepare(Engine& engine, const RevectorisedFilterSettings& settings) {
     if (evaluator_ && settings == settings_) return;
@@ -82,8 +82,8 @@ void RevectorisedFilterPass::prepare(Engine& engine, const RevectorisedFilterSet
 const gl::Texture& RevectorisedFilterPass::run(Engine& engine, const Frame& frame, const Light& light,
                                                const LightSample& sample) {
     const auto map = render_depth_map(engine, *frame.scene, sample);
-    const int window_reach = settings_.window_reach();
-    const auto ranges = settings_.early_out ? render_depth_range_map(engine, *map, window_reach) : nullptr;
+    const int window_radius = settings_.window_radius();
+    const auto ranges = settings_.early_out ? render_depth_range_map(engine, *map, window_radius) : nullptr;
     return resolve_.run(engine, {.frame = frame,
                                  .light = light,
                                  .sample = sample,
@@ -94,7 +94,7 @@ const gl::Texture& RevectorisedFilterPass::run(Engine& engine, const Frame& fram
                                      [&] {
                                          map->texture->bind(kDepthMapUnit);
                                          if (ranges) ranges->bind();
-                                         decider_->set("u_reach_texels", float(window_reach));
+                                         decider_->set("u_radius_texels", float(window_radius));
                                      },
                                  .bind_second_inputs = [&] { evaluator_->set("u_walk_limit", settings_.walk_limit); }});
 }

@@ -21,9 +21,9 @@ struct RevectorisedFilterSettings {
     bool early_out = true;       ///< false: each tap of each pixel on its own, as a reference; see kMostSingleTaps
 
     /// Texels from the receiver's own to the farthest that is tested before any walk.
-    int window_reach() const;
+    int window_radius() const;
     /// How far all tests reach, walks included: the border that maps need.
-    int reach() const { return window_reach() + walk_limit + 2; }
+    int margin_texels() const { return window_radius() + walk_limit + 2; }
     bool operator==(const RevectorisedFilterSettings&) const = default;
 };
 

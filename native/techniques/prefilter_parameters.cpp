@@ -75,7 +75,7 @@ gl::Defines prefilter_defines(const ParameterValues& values) {
 }
 
 TechniqueNeeds prefilter_needs(const ParameterValues& values) {
-    return map_needs_with_margin(values, find_reach_texels(prefilter_options(values)));
+    return map_needs_with_margin(values, find_margin_texels(prefilter_options(values)));
 }
 
 TruthSpec prefilter_truth(const ParameterValues& values) {

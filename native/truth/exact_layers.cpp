@@ -17,7 +17,7 @@ namespace shadow_layers::truth {
 namespace {
 
 constexpr std::size_t kBlock = 1 << 12;
-constexpr double kSelfPart = 1e-6;  // of the way looked at: parts a surface from the next
+constexpr double kSelfPart = 1e-6;  // of the distance to the light: parts a surface from the next
 constexpr int kMostOwnHits = 64;
 
 // The plane of the triangle that a pixel sees.

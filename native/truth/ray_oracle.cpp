@@ -49,7 +49,7 @@ struct Query {
 struct RayOracle::Impl {
     std::shared_ptr<const Scene> scene;
     glm::dvec3 origin{0.0};
-    double pad = 0, reach = 0;
+    double pad = 0, diameter = 0;
     std::vector<Triangle> triangles;
     std::vector<std::size_t> first_triangle;  ///< per instance
     RTCDevice device = nullptr;
@@ -110,7 +110,8 @@ struct RayOracle::Impl {
         const double length = query.length = glm::length(query.line.way);
         const glm::dvec3 unit = query.line.way / length;
         // A start far outside of the scene is moved along the ray to just before it, for the sake of float boxes.
-        const double ahead = query.ahead = std::max(query.near * length, -glm::dot(query.line.start, unit) - reach * 2);
+        const double ahead = query.ahead =
+            std::max(query.near * length, -glm::dot(query.line.start, unit) - diameter * 2);
         const glm::dvec3 start = query.line.start + ahead * unit;
         RTCRay ray{};
         ray.org_x = float(start.x), ray.org_y = float(start.y), ray.org_z = float(start.z);
@@ -165,9 +166,9 @@ RayOracle::RayOracle(std::shared_ptr<const Scene> scene) : impl_(std::make_uniqu
     const Bounds bounds = compute_scene_bounds(*impl_->scene, ~0u);
     if (!bounds.is_empty()) {
         impl_->origin = 0.5 * (bounds.min + bounds.max);
-        impl_->reach = glm::length(bounds.max - bounds.min);
+        impl_->diameter = glm::length(bounds.max - bounds.min);
     }
-    impl_->pad = 2e-6 * impl_->reach;
+    impl_->pad = 2e-6 * impl_->diameter;
     for (std::uint32_t i = 0; i < impl_->scene->instances.size(); ++i) impl_->add_triangles(i);
     impl_->build_tree();
 }
@@ -202,8 +203,8 @@ Sight RayOracle::look(const Receiver& receiver, const Light& light, const LightS
     rtcInitIntersectContext(&query.context);
     query.line.start = receiver.place_ws - impl_->origin;
     query.line.endless = sample.directional;
-    query.line.way =
-        sample.directional ? sample.to_light_ws * (4 * impl_->reach + 1e-300) : sample.position_ws - receiver.place_ws;
+    query.line.way = sample.directional ? sample.to_light_ws * (4 * impl_->diameter + 1e-300)
+                                        : sample.position_ws - receiver.place_ws;
     query.line.slack = receiver.slack;
     if (!sample.directional) query.line.slack += 8 * kRounding * glm::length(sample.position_ws);
     if (query.line.way == glm::dvec3(0)) return {false, false};

@@ -105,7 +105,7 @@ ShadowRays::~ShadowRays() = default;
 ShadowRayTimes ShadowRays::measure(const RenderRequest& request, const FrameResult& result, const ShadowRayMode& mode) {
     const Frame frame = make_frame(request, result);
     const Bounds bounds = compute_scene_bounds(*request.scene, kInstanceShadow);
-    const double reach = bounds.is_empty() ? 1.0 : glm::length(bounds.max - bounds.min);
+    const double diameter = bounds.is_empty() ? 1.0 : glm::length(bounds.max - bounds.min);
     ShadowRayTimes times;
     std::unique_ptr<EmbreeScene> embree;
     std::uint64_t built_for = 0;
@@ -115,7 +115,7 @@ ShadowRayTimes ShadowRays::measure(const RenderRequest& request, const FrameResu
         std::optional<RayList> rays;
         {
             const Stopwatch watch(times.list_ms, times.processor_ms);
-            rays.emplace(frame, light, samples, reach, impl_->pool);
+            rays.emplace(frame, light, samples, diameter, impl_->pool);
         }
         if (!embree || built_for != light.blocker_set) {
             embree = std::make_unique<EmbreeScene>(

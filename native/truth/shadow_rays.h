@@ -12,7 +12,7 @@
 
 namespace shadow_layers::truth {
 
-/// A way to ask Embree: how its scene is built, and of what.
+/// How Embree is asked: how its scene is built, and of what.
 struct ShadowRayMode {
     const char* name;
     bool medium_quality;  ///< else low: the quickest to build

@@ -72,11 +72,11 @@ double measure_line(std::span<const ConvexPolygon> polygons, double y, std::vect
         if (run.first < run.second) runs.push_back(run);
     }
     std::sort(runs.begin(), runs.end());
-    double covered = 0, reach = -HUGE_VAL;
+    double covered = 0, end_so_far = -HUGE_VAL;
     for (const auto& [begin, end] : runs) {
-        if (end <= reach) continue;
-        covered += end - std::max(begin, reach);
-        reach = end;
+        if (end <= end_so_far) continue;
+        covered += end - std::max(begin, end_so_far);
+        end_so_far = end;
     }
     return covered;
 }

@@ -31,8 +31,8 @@ bool is_neighbour_in_plane(const std::array<glm::dvec3, 3>& own, const std::arra
             apex = corner;
     }
     if (shared != 2) return shared == 3;
-    const glm::dvec3 normal = glm::cross(own[1] - own[0], own[2] - own[0]), reach = apex - own[0];
-    return std::abs(glm::dot(normal, reach)) <= kFlatTolerance * glm::length(normal) * glm::length(reach);
+    const glm::dvec3 normal = glm::cross(own[1] - own[0], own[2] - own[0]), offset = apex - own[0];
+    return std::abs(glm::dot(normal, offset)) <= kFlatTolerance * glm::length(normal) * glm::length(offset);
 }
 
 }  // namespace
@@ -103,8 +103,8 @@ double OcclusionRule::find_corner_rounding(const PixelIds& ids) const {
 bool lies_in_plane(const glm::dvec3& point, const glm::dvec3& unit_normal, const std::array<glm::dvec3, 3>& corners,
                    double rounding) {
     for (const glm::dvec3& corner : corners) {
-        const glm::dvec3 reach = corner - point;
-        if (!(std::abs(glm::dot(unit_normal, reach)) <= kFlatTolerance * glm::length(reach) + rounding)) return false;
+        const glm::dvec3 offset = corner - point;
+        if (!(std::abs(glm::dot(unit_normal, offset)) <= kFlatTolerance * glm::length(offset) + rounding)) return false;
     }
     return true;
 }

@@ -163,7 +163,7 @@ std::uint64_t SoftBlock::find_lit(const SampleSets& sets, std::size_t set, const
     for (std::uint64_t left = all; left != 0; left &= left - 1) {
         const int bit = std::countr_zero(left);
         const Facing facing = task_.samples.classify(member.list, sets.get_number(set, bit), member.pixel);
-        if (facing == Facing::Lit) lit |= std::uint64_t(1) << bit;
+        if (facing == Facing::Undecided) lit |= std::uint64_t(1) << bit;
         if (facing == Facing::OutsideCone) ++outside;
     }
     return lit;

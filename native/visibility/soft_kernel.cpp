@@ -97,7 +97,8 @@ void weigh(const SampleSet& s, const Receiver& r, bool is_area, std::uint64_t li
     // In parts of the light's distance, so that no square leaves the range of a float.
     const auto size = [](float x) { return x < 0 ? -x : x; };
     // All sets of a light have one scale, or an area light's would be weighed by different units.
-    const float away = size(r.base_u) + size(r.base_v) + size(r.height), least = 1e-8f * (s.high[0] - s.low[0]) + 1e-37f;
+    const float away = size(r.base_u) + size(r.base_v) + size(r.height),
+                least = 1e-8f * (s.high[0] - s.low[0]) + 1e-37f;
     const Floats8 scale(1.0f / (away > least ? away : least));
     for (int group = 0; group < s.group_count; ++group) {
         const Floats8 u = (Floats8::load(s.u + 8 * group) - Floats8(r.base_u)) * scale;

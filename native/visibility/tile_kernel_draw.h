@@ -40,11 +40,11 @@ inline double larger(double a, double b) { return a > b ? a : b; }
 /// A triangle's forms with all that does not change from tile to tile.
 struct CasterForms {
     Doubles at[kParts], by_x[kParts], by_y[kParts], slope[kParts];
-    Doubles reach[kParts];     ///< greatest change from a tile's middle
-    Doubles constant[kParts];  ///< error that no tile changes
-    Doubles relative[kParts];  ///< error by the form's magnitude
-    Doubles is_depth[kParts];  ///< 1 for the depth
-    Doubles most[kParts];      ///< that the form can be, whatever its plane says
+    Doubles half_range[kParts];  ///< greatest change from a tile's middle
+    Doubles constant[kParts];    ///< error that no tile changes
+    Doubles relative[kParts];    ///< error by the form's magnitude
+    Doubles is_depth[kParts];    ///< 1 for the depth
+    Doubles most[kParts];        ///< that the form can be, whatever its plane says
 
     CasterForms(const CasterTriangle& t, double half_size) {
         const double relative_error[4] = {kFloatError, kFloatError, kFloatError, kFloatError + kContact};
@@ -55,8 +55,8 @@ struct CasterForms {
             by_x[p] = Doubles::load_unaligned(t.by_x + i);
             by_y[p] = Doubles::load_unaligned(t.by_y + i);
             slope[p] = xsimd::abs(by_x[p]) + xsimd::abs(by_y[p]);
-            reach[p] = slope[p] * Doubles(half_size);
-            constant[p] = xsimd::fma(Doubles(kFloatError), reach[p], Doubles::load_unaligned(t.error + i));
+            half_range[p] = slope[p] * Doubles(half_size);
+            constant[p] = xsimd::fma(Doubles(kFloatError), half_range[p], Doubles::load_unaligned(t.error + i));
             relative[p] = Doubles::load_unaligned(relative_error + i);
             is_depth[p] = Doubles::load_unaligned(depth_only + i);
             most[p] = Doubles::load_unaligned(greatest + i);
@@ -92,7 +92,7 @@ inline bool make_forms(const CasterForms& f, const Doubles (&row_at)[kParts], do
         at[p] = xsimd::fma(Doubles(x), f.by_x[p], row_at[p]);
         Doubles error = xsimd::fma(f.relative[p], xsimd::abs(at[p]), f.constant[p]);
         error = xsimd::fma(f.is_depth[p], depth_error, xsimd::fma(f.slope[p], place_error, error));
-        const Doubles most = xsimd::min(at[p] + f.reach[p], f.most[p]) + error;
+        const Doubles most = xsimd::min(at[p] + f.half_range[p], f.most[p]) + error;
         if (xsimd::any(most < f.is_depth[p] * least)) return false;
         scale[p] = Doubles(1.0) / (error + Doubles(1e-300));
     }

@@ -6,8 +6,8 @@
 
 const float kMapDecides = -1.0;
 
-// Is the way to the light, given in the light's axes, within the cone? `cone`: cosine (below -1: all directions) and
-// sine of half its angle. By the way across the axis, because the cosine of a narrow cone is 1 in float.
+// Is the direction to the light, given in the light's axes, within the cone? `cone`: cosine (below -1: all directions)
+// and sine of half its angle. By the component across the axis, because the cosine of a narrow cone is 1 in float.
 bool is_in_cone(vec3 to_light_axes, vec2 cone) {
     return cone.x <= -1.0 || length(to_light_axes.xy) * cone.x <= to_light_axes.z * cone.y;
 }

@@ -11,16 +11,18 @@
 // falling in depth_rz, which itself is planar over a plane.
 const float kFarDepth = 0.8;
 
-float linear_depth(float depth_rz, float stretch) {
-    return (1.0 + kFarDepth) * (1.0 - depth_rz) / (1.0 + stretch * depth_rz) - 1.0;
+float linear_depth(float depth_rz, float relative_range) {
+    return (1.0 + kFarDepth) * (1.0 - depth_rz) / (1.0 + relative_range * depth_rz) - 1.0;
 }
 
 // -d depth_lin / d depth_rz, positive.
-float linear_depth_slope(float depth_rz, float stretch) {
-    float scale = 1.0 + stretch * depth_rz;
-    return (1.0 + kFarDepth) * (1.0 + stretch) / (scale * scale);
+float linear_depth_slope(float depth_rz, float relative_range) {
+    float scale = 1.0 + relative_range * depth_rz;
+    return (1.0 + kFarDepth) * (1.0 + relative_range) / (scale * scale);
 }
 
 // A texel that is empty, or whose surface lies beyond the far plane, blocks nothing. It lies at 1, some way behind the
 // plane: a receiver that passes the far plane within a kernel would otherwise find its own average too near.
-float texel_depth(float depth_rz, float stretch) { return depth_rz > 0.0 ? linear_depth(depth_rz, stretch) : 1.0; }
+float texel_depth(float depth_rz, float relative_range) {
+    return depth_rz > 0.0 ? linear_depth(depth_rz, relative_range) : 1.0;
+}

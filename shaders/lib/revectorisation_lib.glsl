@@ -87,7 +87,7 @@ int walk(ivec2 texel, ivec2 along, uint sides, bool lit, bool healed, int limit)
 // A run, as its sample sees it.
 struct Run {
     float done;     // [Macedo16] Eq. 1: from the run's beginning to its end, 0..1; completed where it lacks one
-    float nearest;  // way to the nearest end, of the run's length; of closed runs only
+    float nearest;  // distance to the nearest end, as a part of the run's length; of closed runs only
     bool closed;    // an end on both sides
     bool open;      // none
 };
@@ -150,8 +150,8 @@ float smsr_visibility(uint code, ivec2 texel, vec2 place, int limit) {
     return lit && !is_channel(code) && !dark ? 1.0 : 0.0;
 }
 
-// The way to the end along one axis, of the way between both stops of the walk; across a lone discontinuity that is the
-// depth of its side. 0: no end either way.
+// The distance to the end along one axis, as a part of that between both stops of the walk; across a lone discontinuity
+// that is the depth of its side. 0: no end on either side.
 float way_to_end(int forward, int backward, float at, int limit) {
     float to_forward = float(abs(forward)) - at, to_backward = float(abs(backward)) - 1.0 + at;
     float whole = min(to_forward + to_backward, float(limit));
@@ -160,7 +160,7 @@ float way_to_end(int forward, int backward, float at, int limit) {
 }
 
 // Walked until the test changes, or a texel without any side comes.
-vec2 ways_to_ends(ivec2 texel, uint code, vec2 place, int limit) {
+vec2 distances_to_ends(ivec2 texel, uint code, vec2 place, int limit) {
     bool lit = has_any(code, kLitTexel);
     ivec4 steps = ivec4(-1);  // right, left, bottom, top
     for (int k = has_any(code, kAllSides) ? 0 : 4; k < 4; ++k) {
@@ -174,15 +174,15 @@ vec2 ways_to_ends(ivec2 texel, uint code, vec2 place, int limit) {
 // The reduced form: one chamfer from end to end, no dominance.
 float reduced_visibility(uint code, ivec2 texel, vec2 place, int limit) {
     bool lit = has_any(code, kLitTexel);
-    vec2 ways = ways_to_ends(texel, lit ? code : 0u, place, limit);
-    bool dark = is_channel(code) || (ways.x * ways.y > 0.0 && ways.x + ways.y < 1.0);
+    vec2 distances = distances_to_ends(texel, lit ? code : 0u, place, limit);
+    bool dark = is_channel(code) || (distances.x * distances.y > 0.0 && distances.x + distances.y < 1.0);
     return lit && !dark ? 1.0 : 0.0;
 }
 
 // The reduced form's ramp, cut at one half on both sides of the border. A run without an end leaves its texel alone.
 float half_level_visibility(uint code, ivec2 texel, vec2 place, int limit) {
     bool lit = has_any(code, kLitTexel);
-    vec2 ways = ways_to_ends(texel, code, place, limit);
-    bool turned = ways.x * ways.y > 0.0 && ways.x + ways.y < 0.5;
+    vec2 distances = distances_to_ends(texel, code, place, limit);
+    bool turned = distances.x * distances.y > 0.0 && distances.x + distances.y < 0.5;
     return lit != turned ? 1.0 : 0.0;
 }

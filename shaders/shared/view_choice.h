@@ -1,15 +1,17 @@
 // SPDX-FileCopyrightText: 2026 Shadow Layers contributors
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
-// Which view of a light sample serves a receiver: the data and the one rule, compiled by C++ and by GLSL. A further kind
-// (cascades of a sun) is a constant here, the data that it goes by, a branch of choose_view, and a maker of its views in
-// native/lights/light_views.cpp.
+// Which view of a light sample serves a receiver: the data and the one rule, compiled by C++ and by GLSL. A further
+// kind (cascades of a sun) is a constant here, the data that it goes by, a branch of choose_view, and a maker of its
+// views in native/lights/light_views.cpp.
 
 #ifdef __cplusplus
 #include <glm/glm.hpp>
 namespace shadow_layers {
 using glm::ivec4;
-#define VIEW_FUNCTION template <class Vec3> inline int
+#define VIEW_FUNCTION     \
+    template <class Vec3> \
+    inline int
 #else
 #define VIEW_FUNCTION int
 #define Vec3 vec3

@@ -11,10 +11,10 @@ layout(binding = kDepthRangeUnit) uniform sampler2DArray depth_range_tx;
 layout(binding = kDepthStepsUnit) uniform sampler2DArray depth_steps_tx;
 
 // 0 or 1 if all tests of the texels `first` to `last` (inclusive) agree for sure, else kWindowMixed. They lie within
-// `reach` texels of the receiver's own, as the map was made; else nothing is decided.
-float decide_taps(MapPoint point, int layer, vec2 first, vec2 last, float reach) {
+// `radius` texels of the receiver's own, as the map was made; else nothing is decided.
+float decide_taps(MapPoint point, int layer, vec2 first, vec2 last, float radius) {
     vec2 own = floor(point.texel);
-    if (any(lessThan(first, own - reach)) || any(greaterThan(last, own + reach))) return kWindowMixed;
+    if (any(lessThan(first, own - radius)) || any(greaterThan(last, own + radius))) return kWindowMixed;
     vec2 top = vec2(light.map.x - 1.0);
     ivec2 block = ivec2(clamp(own, vec2(0), top)) / kRangeBlockTexels;
     vec4 range = texelFetch(depth_range_tx, ivec3(block, max(layer, 0)), 0);

@@ -7,7 +7,7 @@ layout(binding = kDepthRangeUnit) uniform sampler2DArray depth_range_tx;
 layout(binding = kDepthStepsUnit) uniform sampler2DArray depth_steps_tx;
 layout(location = 0) uniform int u_layer;
 layout(location = 1) uniform ivec2 u_axis;
-layout(location = 2) uniform int u_reach_blocks;
+layout(location = 2) uniform int u_radius_blocks;
 layout(location = 0) out vec4 range;
 layout(location = 1) out vec4 steps;
 
@@ -16,7 +16,7 @@ void main() {
     ivec2 top = textureSize(depth_range_tx, 0).xy - 1;
     range = texelFetch(depth_range_tx, ivec3(own, u_layer), 0);
     steps = texelFetch(depth_steps_tx, ivec3(own, u_layer), 0);
-    for (int k = 1; k <= u_reach_blocks; ++k)
+    for (int k = 1; k <= u_radius_blocks; ++k)
         for (int side = -1; side <= 1; side += 2) {
             ivec3 at = ivec3(clamp(own + side * k * u_axis, ivec2(0), top), u_layer);
             vec2 other = texelFetch(depth_range_tx, at, 0).xy;

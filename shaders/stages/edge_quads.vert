@@ -9,7 +9,7 @@
 layout(std430, binding = kEdgeListSlot) readonly buffer EdgeBlock {
     MapEdge edges[];
 };
-layout(location = 0) uniform float u_reach_texels;
+layout(location = 0) uniform float u_half_width_texels;
 layout(location = 1) uniform float u_size_texels;
 
 flat out vec3 edge_start;
@@ -25,8 +25,8 @@ void main() {
     float len = length(along);
     vec2 direction = len > 0.0 ? along / len : vec2(1, 0);
     vec4 end = at_end ? edge.end : edge.start;
-    float reach = u_reach_texels * end.w;
-    vec2 place = end.xy + (direction * (at_end ? 1.0 : -1.0) + vec2(-direction.y, direction.x) * side) * reach;
+    float half_width = u_half_width_texels * end.w;
+    vec2 place = end.xy + (direction * (at_end ? 1.0 : -1.0) + vec2(-direction.y, direction.x) * side) * half_width;
 
     edge_start = edge.start.xyz;
     edge_end = edge.end.xyz;

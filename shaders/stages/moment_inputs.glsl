@@ -9,7 +9,7 @@
 //
 // The footprint's texels lie on the receiver's own plane where nothing is between, spread round its depth by the
 // plane's slope. No bias in scene units is needed to keep that plane from shading itself, only what follows from the
-// kernel (`reach_texels`, `variance_texels`), the slope and rounding.
+// kernel (`radius_texels`, `variance_texels`), the slope and rounding.
 #include "stages/resolve_inputs.glsl"
 #include "lib/linear_depth_lib.glsl"
 #include "shared/moment_limits.h"
@@ -18,13 +18,13 @@ layout(binding = kMomentMapUnit) uniform sampler2DArray moment_map_tx;
 layout(location = 6) uniform vec3 u_kernel;  // variance of the blur per axis, its radius, longest mipmapped side
 layout(location = 7) uniform float u_unit_roundoff;  // of the map's numbers, relative to 1
 // Takes a location for each view: behind those of the techniques, which have 8 to 15.
-layout(location = 16) uniform float u_stretches[kMaxViews];  // by layer, see linear_depth
+layout(location = 16) uniform float u_relative_ranges[kMaxViews];  // by layer, see linear_depth
 
 struct FilteredReceiver {
     vec4 moments;    // as stored, averaged
     float depth;     // moved towards the light by what rounding may have moved it away
     float variance;  // bound of the plane's depth's variance under the kernel, linearised
-    float reach;     // the plane's farthest step towards the light under the kernel
+    float largest_rise;  // the plane's farthest step towards the light under the kernel
     float cut_off;   // most that its average loses because it ends at the far plane
 };
 
@@ -36,10 +36,10 @@ vec2 find_pixel_side(ivec2 pixel, ivec2 axis, vec3 position_rel, mat4 lc_from_re
     float nearest = 3.4e38;
     for (int side = -1; side <= 1; side += 2) {
         vec4 other = texelFetch(position_tx, clamp(pixel + side * axis, ivec2(0), last), 0);
-        vec3 way = (other.xyz - position_rel) * float(side);
-        float length_square = dot(way, way);
+        vec3 offset = (other.xyz - position_rel) * float(side);
+        float length_square = dot(offset, offset);
         bool better = other.w > 0.5 && length_square > 0.0 && length_square < nearest;
-        move = better ? way : move;
+        move = better ? offset : move;
         nearest = better ? length_square : nearest;
     }
     vec4 at = lc_from_rel * vec4(position_rel, 1.0), moved = lc_from_rel * vec4(move, 0.0);
@@ -92,7 +92,7 @@ vec4 fetch_moments(MapPoint point, int layer, PixelFootprint footprint) {
 
 FilteredReceiver filter_receiver(ivec2 pixel, Receiver receiver, int layer, MapPoint point) {
     FilteredReceiver filtered;
-    float stretch = u_stretches[max(layer, 0)];
+    float relative_range = u_relative_ranges[max(layer, 0)];
 #if MIPMAPS
     PixelFootprint footprint = find_pixel_footprint(pixel, receiver, layer);
     filtered.moments = fetch_moments(point, layer, footprint);
@@ -106,16 +106,16 @@ FilteredReceiver filter_receiver(ivec2 pixel, Receiver receiver, int layer, MapP
     // more. Lookups in a row spread over a length.
     float side = footprint.side, row = footprint.count > 1 ? length(footprint.longer) : 0.0;
     float variance_texels = u_kernel.x + (side > 1.0 ? 0.42 * side * side : 0.25) + row * row / 12.0;
-    float reach_texels = u_kernel.y + 1.5 * exp2(ceil(log2(side))) - 0.5 + 0.5 * row;
+    float radius_texels = u_kernel.y + 1.5 * exp2(ceil(log2(side))) - 0.5 + 0.5 * row;
 
     // A sampler's weights may have eight bits, and the place in the map is rounded.
     float steepness = length(point.gradient), rise = abs(point.gradient.x) + abs(point.gradient.y);
     float depth_rz = min(max(point.depth_rz, 0.0) + point.rounding + rise / 256.0, 1.0);
-    float slope = steepness * linear_depth_slope(depth_rz, stretch);
-    filtered.depth = linear_depth(depth_rz, stretch);
+    float slope = steepness * linear_depth_slope(depth_rz, relative_range);
+    filtered.depth = linear_depth(depth_rz, relative_range);
     filtered.variance = slope * slope * variance_texels;
-    filtered.reach = filtered.depth - linear_depth(min(depth_rz + rise * reach_texels, 1.0), stretch);
-    float cut_off_rz = 0.5 * max(rise * reach_texels - depth_rz, 0.0);
-    filtered.cut_off = filtered.depth - linear_depth(min(depth_rz + cut_off_rz, 1.0), stretch);
+    filtered.largest_rise = filtered.depth - linear_depth(min(depth_rz + rise * radius_texels, 1.0), relative_range);
+    float cut_off_rz = 0.5 * max(rise * radius_texels - depth_rz, 0.0);
+    filtered.cut_off = filtered.depth - linear_depth(min(depth_rz + cut_off_rz, 1.0), relative_range);
     return filtered;
 }

@@ -10,7 +10,7 @@
 
 layout(binding = kDepthMapUnit) uniform sampler2DArray depth_map_tx;
 layout(location = 0) uniform int u_layer;
-layout(location = 1) uniform float u_stretch;
+layout(location = 1) uniform float u_relative_range;
 layout(location = 2) uniform vec2 u_exponents;
 layout(location = 3) uniform int u_radius;
 layout(location = 4) uniform float u_weights[kMostBlurTexels + 1];
@@ -23,6 +23,6 @@ void main() {
     for (int offset = -u_radius; offset <= u_radius; ++offset) {
         int x = clamp(at.x + offset, 0, last);
         float depth_rz = texelFetch(depth_map_tx, ivec3(x, at.y, u_layer), 0).x;
-        stored += u_weights[abs(offset)] * ENCODE(texel_depth(depth_rz, u_stretch), u_exponents);
+        stored += u_weights[abs(offset)] * ENCODE(texel_depth(depth_rz, u_relative_range), u_exponents);
     }
 }

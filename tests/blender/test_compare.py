@@ -221,11 +221,11 @@ def test_each_layer_meets_the_truths_asked_for(compare, module, monkeypatch, tmp
     assert set(records) == {("sm", "hard"), ("sm", "soft"), ("pcf", "filtered"), ("pcf", "soft")}
     assert records["pcf", "filtered"]["truth"]["footprint_texels"] == 7
     for (_, kind), record in records.items():
-        told = record["truth"]["standard_error"]
+        reported = record["truth"]["standard_error"]
         assert record["truth"]["samples"] == (1 if kind == "hard" else 16)
-        assert (told["rms"] > 0) == (told["bias"] > 0) == (kind != "hard")
-        assert told["bias"] < 0.02 * told["rms"] or kind == "hard"
-        assert record["measures"]["rmse"] > told["rms"]
+        assert (reported["rms"] > 0) == (reported["bias"] > 0) == (kind != "hard")
+        assert reported["bias"] < 0.02 * reported["rms"] or kind == "hard"
+        assert record["measures"]["rmse"] > reported["rms"]
     assert records["pcf", "filtered"]["measures"]["mae"] < 0.7 * records["pcf", "soft"]["measures"]["mae"]
     assert records["sm", "soft"]["truth_picture"] == records["pcf", "soft"]["truth_picture"]
     pictures = [record[name] for record in records.values() for name in ("difference_picture", "truth_picture")]

@@ -167,9 +167,9 @@ def test_a_view_layer_whose_channels_blender_cuts_is_named(scene):
     for name, is_cut in (("ViewLayer", False), ("A view layer whose name takes more than its share", True)):
         view_layer.name = name
         (frame,) = render().frames
-        told = [text for text in frame.warnings if "shorter name" in text]
-        assert len(told) == (is_cut and bpy.app.version < (5, 0, 0))
-        assert all(name in text for text in told)
+        reported = [text for text in frame.warnings if "shorter name" in text]
+        assert len(reported) == (is_cut and bpy.app.version < (5, 0, 0))
+        assert all(name in text for text in reported)
 
 
 def test_percentage_and_png(scene, tmp_path):

@@ -97,8 +97,8 @@ def test_straight_edge_is_a_ramp_as_wide_as_the_square_in_the_map(scene, modules
     assert 10 < inside.sum() < WIDTH
     error = found.visibility - expected
     assert np.abs(error).max() < 0.05
-    told = math.sqrt(np.mean(np.square(found.error[:, inside])))
-    assert math.sqrt(np.mean(np.square(error[:, inside]))) < 2 * told + 0.005 < 0.03
+    reported = math.sqrt(np.mean(np.square(found.error[:, inside])))
+    assert math.sqrt(np.mean(np.square(error[:, inside]))) < 2 * reported + 0.005 < 0.03
     assert (found.visibility[:, expected == 0] == 0).all() and (found.visibility[:, expected == 1] == 1).all()
 
 

@@ -65,15 +65,15 @@ def part_beyond(edge):
 
 
 def check(result, edge, *, flip=False):
-    """Within the standard error that is told; where the edge doesn't pass exactly 0 or 1."""
+    """Within the standard error that is reported; where the edge doesn't pass exactly 0 or 1."""
     expected = 1 - part_beyond(edge) if flip else part_beyond(edge)
     crossed = (expected > 1e-9) & (expected < 1 - 1e-9)
     np.testing.assert_array_equal(result.visibility[~crossed], np.round(expected[~crossed]))
     wrong = (result.visibility - expected)[crossed]
     inside = crossed & (expected > 0.05) & (expected < 0.95)
-    told = np.sqrt(np.mean(np.square(result.error[inside])))
-    assert 0.7 * told < np.sqrt(np.mean(np.square((result.visibility - expected)[inside]))) < 1.4 * told < 0.08
-    assert abs(wrong.mean()) < 4 * told / math.sqrt(crossed.sum())
+    reported = np.sqrt(np.mean(np.square(result.error[inside])))
+    assert 0.7 * reported < np.sqrt(np.mean(np.square((result.visibility - expected)[inside]))) < 1.4 * reported < 0.08
+    assert abs(wrong.mean()) < 4 * reported / math.sqrt(crossed.sum())
 
 
 @pytest.mark.parametrize("kind", ["POINT", "SPOT", "AREA", "SUN"])

@@ -85,8 +85,8 @@ LIGHTS = {
 
 @pytest.mark.parametrize("name", LIGHTS)
 def test_penumbra_of_a_straight_edge(scene, name):
-    """The light's part beyond the edge, within the standard error that is told. What Cycles weighs the light's points
-    by (cosines, distance) differs by less than a thousandth over this light."""
+    """The light's part beyond the edge, within the standard error that is reported. What Cycles weighs the light's
+    points by (cosines, distance) differs by less than a thousandth over this light."""
     kind, settings, part = LIGHTS[name]
     add_light(kind, **settings)
     result = render(scene)
@@ -95,13 +95,13 @@ def test_penumbra_of_a_straight_edge(scene, name):
     wrong = result.visibility - expected
     inside = (expected > 0.02) & (expected < 0.98)
     assert (np.abs(wrong[(expected == 0) | (expected == 1)]) < 1e-3).all()
-    told = np.sqrt(np.mean(np.square(result.error[inside])))
-    assert 0.7 * told < np.sqrt(np.mean(np.square(wrong[inside]))) < 1.4 * told < 0.08
+    reported = np.sqrt(np.mean(np.square(result.error[inside])))
+    assert 0.7 * reported < np.sqrt(np.mean(np.square(wrong[inside]))) < 1.4 * reported < 0.08
     # Together the pixels know the ramp much better than each: no bias beyond what they leave open.
     mean_error = np.sqrt(np.sum(np.square(result.error[inside]))) / inside.sum()
     assert abs(wrong[inside].mean()) < 4 * mean_error + 1e-3
     columns = np.abs(wrong.mean(axis=0))[inside[0]]
-    assert columns.max() < 5 * told / math.sqrt(HEIGHT) + 1e-3
+    assert columns.max() < 5 * reported / math.sqrt(HEIGHT) + 1e-3
 
 
 def test_more_samples_leave_less_error(scene):

@@ -173,7 +173,7 @@ PixelComparison compare_with_squares(TechniqueRunner& runner, const SceneView& v
     PixelComparison result;
     int counted = 0;
     for (std::size_t pixel = 0; pixel < means.size(); ++pixel) {
-        if (facing.classify(pixel) != Facing::Lit) continue;
+        if (facing.classify(pixel) != Facing::Undecided) continue;
         const float layer = run.visibility()[pixel];
         result.border.add(double(layer), double(means[pixel]));
         result.bias += double(layer) - double(means[pixel]);

@@ -36,7 +36,7 @@ TEST(DepthRangeMapTest, HoldsTheRangesOfDepthsAndStepsWithinReach) {
             x = std::clamp(x, 0, side - 1), y = std::clamp(y, 0, side - 1);
             return depths[std::size_t((layer * side + y) * side + x)];
         };
-        const int reach = 5, reach_blocks = 2;
+        const int reach = 5, radius_blocks = 2;
         const auto ranges = render_depth_range_map(engine, *map, reach);
         const auto found = ranges->range_tx->download<glm::vec4>(),
                    found_steps = ranges->steps_tx->download<glm::vec4>();
@@ -46,9 +46,11 @@ TEST(DepthRangeMapTest, HoldsTheRangesOfDepthsAndStepsWithinReach) {
             for (int y = 0; y < blocks; ++y)
                 for (int x = 0; x < blocks; ++x) {
                     Ranges range, steps_x, steps_y;
-                    const auto first = [&](int block) { return std::max(0, block - reach_blocks) * kRangeBlockTexels; };
+                    const auto first = [&](int block) {
+                        return std::max(0, block - radius_blocks) * kRangeBlockTexels;
+                    };
                     const auto end = [&](int block) {
-                        return std::min(blocks, block + reach_blocks + 1) * kRangeBlockTexels;
+                        return std::min(blocks, block + radius_blocks + 1) * kRangeBlockTexels;
                     };
                     for (int v = first(y); v < end(y); ++v)
                         for (int u = first(x); u < end(x); ++u) {

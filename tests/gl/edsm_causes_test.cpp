@@ -68,7 +68,7 @@ TEST_F(EDSMCausesTest, TheReplayIsTheTechniqueOnWholePictures) {
                 const FacingRule facing(*run.frame, light, run.positions[0]);
                 int lit = 0, dark = 0, different = 0;
                 for (std::size_t pixel = 0; pixel < run.visibility().size(); ++pixel) {
-                    if (facing.classify(pixel) != Facing::Lit) continue;
+                    if (facing.classify(pixel) != Facing::Undecided) continue;
                     const bool is_lit = run.visibility()[pixel] >= 0.5f;
                     ++(is_lit ? lit : dark);
                     different += examiner.replay(pixel) != is_lit;

@@ -60,7 +60,8 @@ TEST(BorderSites, AreThoseOfBruteForce) {
                 if (x + dx < 0 || x + dx >= frame.width || y + dy < 0 || y + dy >= frame.height) continue;
                 const std::size_t other = std::size_t((y + dy) * frame.width + x + dx);
                 if ((run.visibility()[pixel] >= 0.5f) == (run.visibility()[other] >= 0.5f)) continue;
-                if (facing.classify(pixel) != Facing::Lit || facing.classify(other) != Facing::Lit) continue;
+                if (facing.classify(pixel) != Facing::Undecided || facing.classify(other) != Facing::Undecided)
+                    continue;
                 is_site = is_site || is_one_face(pixel, other);
                 depth_edges += fresh->ids[pixel].instance != fresh->ids[other].instance;
             }

@@ -253,8 +253,9 @@ TEST_P(InvarianceOfTechnique, FieldOfViewAgainstAClosedForm) {
             const FacingRule rule(frame, view.scene->lights[0], positions[0]);
             std::vector<std::uint8_t> dark(frame.pixel_count());
             for (std::size_t pixel = 0; pixel < frame.pixel_count(); ++pixel)
-                dark[pixel] =
-                    rule.classify(pixel) != Facing::Lit ? 2 : is_behind_box(point_of(frame, pixel), place, low, high);
+                dark[pixel] = rule.classify(pixel) != Facing::Undecided
+                                  ? 2
+                                  : is_behind_box(point_of(frame, pixel), place, low, high);
             int counted = 0, wrong = 0, shaded = 0;
             for (std::size_t pixel = 0; pixel < frame.pixel_count(); ++pixel) {
                 if (dark[pixel] == 2) continue;

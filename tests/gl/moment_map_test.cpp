@@ -49,8 +49,8 @@ struct RandomMap {
             depth_rz[std::size_t((layer * size + std::clamp(y, 0, last)) * size + std::clamp(x, 0, last))];
         if (rz <= 0) return 1;
         const LightView& view = position.views[std::size_t(layer)];
-        const double stretch = view.perspective ? view.far_ls / view.near_ls - 1 : 0;
-        return 1.8 * (1 - rz) / (1 + stretch * rz) - 1;
+        const double relative_range = view.perspective ? view.far_ls / view.near_ls - 1 : 0;
+        return 1.8 * (1 - rz) / (1 + relative_range * rz) - 1;
     }
 
     /// Mean of `encode(depth)` under the whole two-dimensional kernel.

@@ -159,7 +159,8 @@ struct StrangeLight {
     LightKind kind;
     double size;
     glm::dvec3 place, target;
-    bool is_tie = false;  ///< the light lies in a receiver's plane: faces and sight lines along it may be told either way
+    bool is_tie =
+        false;  ///< the light lies in a receiver's plane: faces and sight lines along it may be told either way
 };
 
 TEST_F(SoftExactness, EqualsRaysUnderStrangeLights) {

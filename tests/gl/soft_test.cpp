@@ -42,7 +42,7 @@ std::vector<double> find_truth(const Frame& frame, const Light& light, int count
         const FacingRule rule(frame, light, sample);
         for (std::size_t pixel = 0; pixel < sum.size(); ++pixel) {
             double weight = 1e-20;
-            if (rule.classify(pixel) == Facing::Lit) weight = std::max(weight, rule.get_weight(pixel));
+            if (rule.classify(pixel) == Facing::Undecided) weight = std::max(weight, rule.get_weight(pixel));
             sum[pixel] += weight * double(hard[pixel]);
             weights[pixel] += weight;
         }

@@ -283,7 +283,7 @@ TEST(EdgeDistanceStage, TexelsHoldTheLineOfTheNearestEdge) {
     const auto run = runner.render(view, "edsm", parameters({{"map_size", std::int64_t{64}}}));
     const auto depth = render_depth_map(runner.engine(), *view.scene, run.positions[0]);
     EdgeDistanceOptions options;
-    options.edges.reach_texels = 1.5;
+    options.edges.half_width_texels = 1.5;
     const auto map = render_edge_distance_map(runner.engine(), *view.scene, run.positions[0], *depth, options);
     const LightView& light = run.positions[0].views[0];
     const glm::dvec4 edge_lc = light.lc_from_ws * glm::dvec4(0.0131, 0, 1, 1);

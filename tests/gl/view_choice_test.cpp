@@ -58,12 +58,13 @@ TEST(ViewChoiceTest, ShadersChooseAlike) {
     std::vector<glm::vec4> inputs;
     for (const glm::vec3& direction : list_directions()) inputs.emplace_back(direction, 0);
     GlslLibRunner runner;
-    const auto out = runner.run("shared/view_choice.h",
-                                "ViewChoice one = ViewChoice(ivec4(kOneView, 1, 0, 0), ivec4[2](ivec4(0), ivec4(0)));\n"
-                                "ViewChoice cube = ViewChoice(ivec4(kCubeFaces, 4, 0, 0),\n"
-                                "    ivec4[2](ivec4(1, -1, 3, 2), ivec4(-1, 0, -1, -1)));\n"
-                                "outputs[i] = vec4(choose_view(one, inputs[i].xyz), choose_view(cube, inputs[i].xyz), 0, 0);",
-                                inputs, int(inputs.size()), 1);
+    const auto out =
+        runner.run("shared/view_choice.h",
+                   "ViewChoice one = ViewChoice(ivec4(kOneView, 1, 0, 0), ivec4[2](ivec4(0), ivec4(0)));\n"
+                   "ViewChoice cube = ViewChoice(ivec4(kCubeFaces, 4, 0, 0),\n"
+                   "    ivec4[2](ivec4(1, -1, 3, 2), ivec4(-1, 0, -1, -1)));\n"
+                   "outputs[i] = vec4(choose_view(one, inputs[i].xyz), choose_view(cube, inputs[i].xyz), 0, 0);",
+                   inputs, int(inputs.size()), 1);
     const ViewChoice choice = make_view_choice(kCubeFaces, make_faces({5, 0, 3, 2}));
     for (std::size_t i = 0; i < inputs.size(); ++i) {
         ASSERT_EQ(out[i].x, 0);

@@ -100,8 +100,8 @@ def test_straight_edge_is_a_ramp_of_the_squares_width(kind, unit, angle):
         np.testing.assert_allclose(expected, np.clip(0.5 + offset / side, 0, 1), atol=0.002)
     assert found.visibility.min() == 0 and found.visibility.max() == 1
     error = np.sqrt(np.mean(np.square(found.visibility - expected)))
-    told = np.sqrt(np.mean(np.square(found.error)))
-    assert 0.5 * told < error < 2 * told < 0.005
+    reported = np.sqrt(np.mean(np.square(found.error)))
+    assert 0.5 * reported < error < 2 * reported < 0.005
     assert 10 < found.sampled_count < 33
 
 

@@ -38,17 +38,17 @@ def parse_number(text):
 
 def find_mistake(parameter, default, meaning):
     """What a row says of a parameter that its descriptor doesn't, or nothing."""
-    told = default.split(" ")[0].strip("`")
+    reported = default.split(" ")[0].strip("`")
     value = parameter["default"]
     kind = parameter["type"]
     if kind == "bool":
-        right = SWITCHES.get(told) == value
+        right = SWITCHES.get(reported) == value
     elif kind == "enum":
-        right = told == value
+        right = reported == value
     else:
-        right = NUMBER.fullmatch(told) is not None and parse_number(told) == value
+        right = NUMBER.fullmatch(reported) is not None and parse_number(reported) == value
     if not right:
-        return f"default is {value!r}, not {told!r}"
+        return f"default is {value!r}, not {reported!r}"
     for least, most in RANGE.findall(meaning) if kind in ("int", "float") else []:
         if (parse_number(least), parse_number(most)) != (parameter["min"], parameter["max"]):
             return f"range is {parameter['min']:g} … {parameter['max']:g}, not {least} … {most}"

@@ -232,7 +232,7 @@ EDSMCauses count_edsm_causes(TechniqueRunner& runner, const SceneView& view, con
     const EDSMExaminer examiner(runner, run, parameters, source, oracle);
     const FacingRule facing(*run.frame, source, position);
     for (std::size_t pixel = 0; pixel < truth.size(); ++pixel) {
-        if (facing.classify(pixel) != Facing::Lit) continue;
+        if (facing.classify(pixel) != Facing::Undecided) continue;
         ++causes.compared;
         const bool lit = truth[pixel] >= 0.5f;
         if (lit == (run.visibility()[pixel] >= 0.5f)) continue;

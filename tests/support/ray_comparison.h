@@ -50,7 +50,7 @@ inline RayComparison compare_with_rays(TechniqueRunner& runner, SceneView view, 
         const float value = result.run.visibility()[pixel];
         result.different += value != truth[pixel].least && value != truth[pixel].most;
         result.ties += truth[pixel].least != truth[pixel].most;
-        if (facing.classify(pixel) == Facing::Lit) ++(result.truth[pixel] > 0.5f ? result.lit : result.shadowed);
+        if (facing.classify(pixel) == Facing::Undecided) ++(result.truth[pixel] > 0.5f ? result.lit : result.shadowed);
     }
     return result;
 }
@@ -72,7 +72,7 @@ inline RayComparison compare_with_eye_rays(TechniqueRunner& runner, SceneView vi
     const double pixel_size = (view.camera.window.right - view.camera.window.left) / view.width;
     for (std::size_t pixel = 0; pixel < truth.size(); ++pixel) {
         result.truth.push_back(truth[pixel].decided);
-        if (!frame.coverage[pixel] || !seen.coverage[pixel] || facing.classify(pixel) != Facing::Lit) continue;
+        if (!frame.coverage[pixel] || !seen.coverage[pixel] || facing.classify(pixel) != Facing::Undecided) continue;
         const glm::vec3& place = seen.positions_rel[pixel];
         const float gap = std::abs(glm::dot(frame.positions_rel[pixel] - place, seen.normals[pixel]));
         if (double(gap) > 0.05 * pixel_size * double(glm::length(place))) continue;

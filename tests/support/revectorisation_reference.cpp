@@ -273,7 +273,7 @@ double rsmss_by_rule(const AnswerMap& map, glm::ivec2 texel, glm::dvec2 place, i
     return result;
 }
 
-glm::dvec2 reduced_ways(const AnswerMap& map, glm::ivec2 texel, glm::dvec2 place, int limit) {
+glm::dvec2 reduced_distances(const AnswerMap& map, glm::ivec2 texel, glm::dvec2 place, int limit) {
     const Wanted all{true, true, true, true};
     if (find_sides(map, texel).count() == 0) return glm::dvec2(0);
     const auto way = [&](glm::ivec2 step, double at) {  // of one axis
@@ -288,13 +288,13 @@ glm::dvec2 reduced_ways(const AnswerMap& map, glm::ivec2 texel, glm::dvec2 place
 
 double reduced_by_rule(const AnswerMap& map, glm::ivec2 texel, glm::dvec2 place, int limit) {
     if (!map.at(texel.x, texel.y) || find_sides(map, texel).is_channel()) return 0;
-    const glm::dvec2 ways = reduced_ways(map, texel, place, limit);
-    return ways.x * ways.y > 0 && ways.x + ways.y < 1 ? 0 : 1;
+    const glm::dvec2 distances = reduced_distances(map, texel, place, limit);
+    return distances.x * distances.y > 0 && distances.x + distances.y < 1 ? 0 : 1;
 }
 
 double half_level_by_rule(const AnswerMap& map, glm::ivec2 texel, glm::dvec2 place, int limit) {
-    const glm::dvec2 ways = reduced_ways(map, texel, place, limit);
-    return map.at(texel.x, texel.y) != (ways.x * ways.y > 0 && ways.x + ways.y < 0.5) ? 1 : 0;
+    const glm::dvec2 distances = reduced_distances(map, texel, place, limit);
+    return map.at(texel.x, texel.y) != (distances.x * distances.y > 0 && distances.x + distances.y < 0.5) ? 1 : 0;
 }
 
 }  // namespace shadow_layers::testing

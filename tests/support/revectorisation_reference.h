@@ -38,7 +38,7 @@ double smsr_by_rule(const AnswerMap& map, glm::ivec2 texel, glm::dvec2 place, in
 double rsmss_by_rule(const AnswerMap& map, glm::ivec2 texel, glm::dvec2 place, int limit);
 
 /// The reduced form: ways to the ends along x and y, 0 where there is none.
-glm::dvec2 reduced_ways(const AnswerMap& map, glm::ivec2 texel, glm::dvec2 place, int limit);
+glm::dvec2 reduced_distances(const AnswerMap& map, glm::ivec2 texel, glm::dvec2 place, int limit);
 double reduced_by_rule(const AnswerMap& map, glm::ivec2 texel, glm::dvec2 place, int limit);
 double half_level_by_rule(const AnswerMap& map, glm::ivec2 texel, glm::dvec2 place, int limit);
 

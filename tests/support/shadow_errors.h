@@ -28,7 +28,8 @@ inline ShadowErrors measure_shadow_errors(const Frame& frame, const Light& light
     ShadowErrors errors;
     std::size_t wrong = 0, acne = 0, leak = 0, plane = 0, plane_wrong = 0;
     std::vector<std::uint8_t> counted(truth.size());
-    for (std::size_t pixel = 0; pixel < truth.size(); ++pixel) counted[pixel] = facing.classify(pixel) == Facing::Lit;
+    for (std::size_t pixel = 0; pixel < truth.size(); ++pixel)
+        counted[pixel] = facing.classify(pixel) == Facing::Undecided;
     const auto is_near = [&](int x, int y, bool lit) {
         for (int v = std::max(0, y - far_px); v <= std::min(frame.height - 1, y + far_px); ++v)
             for (int u = std::max(0, x - far_px); u <= std::min(frame.width - 1, x + far_px); ++u) {

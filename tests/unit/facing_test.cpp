@@ -56,8 +56,8 @@ TEST(Facing, OrderOfTheRules) {
     light.receiver_set = 1;
     const auto positions = sample_light_shape(light, 1);
     const FacingRule rule(frame, light, positions[0]);
-    const Facing expected[] = {Facing::Lit,      Facing::TurnedAway,  Facing::OutsideCone, Facing::OutsideCone,
-                               Facing::Unlinked, Facing::OutsideCone, Facing::Background,  Facing::TurnedAway};
+    const Facing expected[] = {Facing::Undecided, Facing::TurnedAway,  Facing::OutsideCone, Facing::OutsideCone,
+                               Facing::Unlinked,  Facing::OutsideCone, Facing::Background,  Facing::TurnedAway};
     for (std::size_t i = 0; i < std::size(expected); ++i) EXPECT_EQ(rule.classify(i), expected[i]) << "pixel " << i;
     EXPECT_EQ(rule.classify(9), Facing::Background);
 
@@ -75,7 +75,7 @@ TEST(Facing, ConeRimIsWhereTheAngleSays) {
         const Light light = testing::make_light(LightKind::Spot, {0, 0, 5}, {0, 0, 0}, angle_deg);
         const auto positions = sample_light_shape(light, 1);
         const FacingRule rule(frame, light, positions[0]);
-        EXPECT_EQ(rule.classify(0), Facing::Lit) << angle_deg;
+        EXPECT_EQ(rule.classify(0), Facing::Undecided) << angle_deg;
         EXPECT_EQ(rule.classify(1), Facing::OutsideCone) << angle_deg;
     }
 }
@@ -87,14 +87,14 @@ TEST(Facing, SunPointAndAreaLights) {
         return FacingRule(frame, light, positions[0]).classify(pixel);
     };
     const Light sun = testing::make_light(LightKind::Sun, {0, 0, 5}, {1, 0, 0});
-    EXPECT_EQ(facing(sun, 0), Facing::Lit);
+    EXPECT_EQ(facing(sun, 0), Facing::Undecided);
     EXPECT_EQ(facing(sun, 1), Facing::TurnedAway);
-    EXPECT_EQ(facing(sun, 3), Facing::Lit);  // where a sun stands does not matter
+    EXPECT_EQ(facing(sun, 3), Facing::Undecided);  // where a sun stands does not matter
     const Light point = testing::make_light(LightKind::Point, {0, 0, 5}, {1, 0, 9});
-    EXPECT_EQ(facing(point, 0), Facing::Lit);
-    EXPECT_EQ(facing(point, 2), Facing::Lit);  // above the light, looking down at it
+    EXPECT_EQ(facing(point, 0), Facing::Undecided);
+    EXPECT_EQ(facing(point, 2), Facing::Undecided);  // above the light, looking down at it
     const Light area = testing::make_light(LightKind::Area, {0, 0, 5}, {0, 0, 0});
-    EXPECT_EQ(facing(area, 0), Facing::Lit);
+    EXPECT_EQ(facing(area, 0), Facing::Undecided);
     EXPECT_EQ(facing(area, 1), Facing::TurnedAway);
     EXPECT_EQ(facing(area, 2), Facing::OutsideCone);  // behind the area
 }

@@ -96,7 +96,7 @@ TEST(LightRule, AgreesWithTheProductsRuleButForTies) {
                     if (!receiver) continue;
                     const Standings found = rule.find_standings(*receiver);
                     const Facing facing_there = product.classify(pixel);
-                    const Standing its = facing_there == Facing::Lit          ? Standing::Facing
+                    const Standing its = facing_there == Facing::Undecided    ? Standing::Facing
                                          : facing_there == Facing::TurnedAway ? Standing::TurnedAway
                                                                               : Standing::Apart;
                     ++compared;

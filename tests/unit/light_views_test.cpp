@@ -71,7 +71,7 @@ int expect_receivers_covered(const Frame& frame, const Light& light, const std::
     for (const LightSample& position : positions) {
         const FacingRule rule(frame, light, position);
         for (std::size_t pixel = 0; pixel < frame.pixel_count(); ++pixel) {
-            if (rule.classify(pixel) != Facing::Lit) continue;
+            if (rule.classify(pixel) != Facing::Undecided) continue;
             ++lit;
             const glm::dvec3 point = frame.origin_ws + glm::dvec3(frame.positions_rel[pixel]);
             const auto views = views_of(position, point);
@@ -97,7 +97,7 @@ int expect_casters_found(const SceneView& view, const Frame& frame, const Light&
     const FacingRule rule(frame, light, position);
     int shaded = 0;
     for (std::size_t pixel = 0; pixel < frame.pixel_count(); ++pixel) {
-        if (rule.classify(pixel) != Facing::Lit) continue;
+        if (rule.classify(pixel) != Facing::Undecided) continue;
         const glm::dvec3 point = frame.origin_ws + glm::dvec3(frame.positions_rel[pixel]);
         const glm::dvec3 way = position.directional ? position.to_light_ws : position.position_ws - point;
         const auto hit = oracle.find_first(point, way, 1e-5, position.directional ? 1e9 : 1, kInstanceShadow);
@@ -423,7 +423,7 @@ TEST(LightViews, FitIsTight) {
         for (const LightView& map : positions[0].views) {
             glm::dvec2 low(1e9), high(-1e9);
             for (std::size_t pixel = 0; pixel < frame.pixel_count(); ++pixel) {
-                if (rule.classify(pixel) != Facing::Lit) continue;
+                if (rule.classify(pixel) != Facing::Undecided) continue;
                 const glm::dvec3 point = frame.origin_ws + glm::dvec3(frame.positions_rel[pixel]);
                 const auto views = views_of(positions[0], point);
                 if (std::find(views.begin(), views.end(), &map) == views.end()) continue;

@@ -84,9 +84,9 @@ TEST(ReceiverTiles, HoldEachReceiverThatCastersDecideOnce) {
                 std::size_t lit = 0;
                 for (std::size_t pixel = 0; pixel < found.size(); ++pixel) {
                     const Facing facing = rule.classify(pixel);
-                    EXPECT_EQ(found[pixel], facing == Facing::Lit ? 1 : 0) << pixel;
+                    EXPECT_EQ(found[pixel], facing == Facing::Undecided ? 1 : 0) << pixel;
                     EXPECT_EQ(sorter.visible()[pixel], get_unoccluded_visibility(facing) > 0 ? 1 : 0) << pixel;
-                    lit += facing == Facing::Lit;
+                    lit += facing == Facing::Undecided;
                 }
                 EXPECT_EQ(counted, lit);
                 EXPECT_GT(lit, 1000u);

@@ -56,7 +56,7 @@ TEST(ShadowRays, AreTheShadowsOfTheScene) {
             std::size_t different = 0, shadowed = 0;
             for (std::size_t pixel = 0; pixel < truth.size(); ++pixel) {
                 shadowed += truth[pixel] < 0.5f;
-                if (rule.classify(pixel) != Facing::Lit) continue;
+                if (rule.classify(pixel) != Facing::Undecided) continue;
                 ++facing;
                 different += (truth[pixel] > 0.5f) != (times.lit[k][pixel] != 0);
             }
@@ -103,7 +103,7 @@ TEST(ShadowRays, WithoutCastersAllIsLit) {
         const auto lit = rays.measure(request, to_result(frame), mode).lit.at(0);
         const FacingRule rule(frame, view.scene->lights[0], sample_light_shape(view.scene->lights[0], 1).front());
         for (std::size_t pixel = 0; pixel < lit.size(); ++pixel)
-            EXPECT_EQ(lit[pixel] != 0, rule.classify(pixel) == Facing::Lit);
+            EXPECT_EQ(lit[pixel] != 0, rule.classify(pixel) == Facing::Undecided);
     }
 }
 
@@ -129,7 +129,7 @@ TEST(ShadowRays, GoToTheSamplesOfTheLight) {
         const auto truth = oracle.compute_visibility(frame, light, sample);
         const FacingRule rule(frame, light, sample);
         for (std::size_t pixel = 0; pixel < truth.size(); ++pixel) {
-            if (rule.classify(pixel) != Facing::Lit) continue;
+            if (rule.classify(pixel) != Facing::Undecided) continue;
             ++facing;
             expected[pixel] += truth[pixel] > 0.5f;
         }

@@ -36,7 +36,7 @@ std::vector<double> add_hard_layers(const RayOracle& oracle, const Frame& frame,
         const std::vector<float> mask = oracle.compute_visibility(frame, light, sample);
         const FacingRule rule(frame, light, sample);
         for (std::size_t pixel = 0; pixel < mask.size(); ++pixel) {
-            const double weight = rule.classify(pixel) == Facing::Lit ? rule.get_weight(pixel) : 0;
+            const double weight = rule.classify(pixel) == Facing::Undecided ? rule.get_weight(pixel) : 0;
             lit[pixel] += weight * double(mask[pixel]), all[pixel] += weight;
             plain[pixel] += double(mask[pixel]) / double(samples.size());
         }

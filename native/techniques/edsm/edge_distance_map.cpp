@@ -66,7 +66,7 @@ std::shared_ptr<const EdgeDistanceMap> draw_edge_distance_map(Engine& engine, co
         "stages/edge_quads.vert", "techniques/edsm/edge_distance_map.frag",
         {{"EDGE_ORDER", std::to_string(int(options.order))}, {"OWN_TEXEL_TEST", options.own_texel_test ? "1" : "0"}});
     program.use();
-    program.set("u_reach_texels", float(options.edges.reach_texels));
+    program.set("u_half_width_texels", float(options.edges.half_width_texels));
     program.set("u_size_texels", float(depth_tx.width()));
     depth_tx.bind(kDepthMapUnit);
 
@@ -103,7 +103,7 @@ std::shared_ptr<const EdgeDistanceMap> render_edge_distance_map(Engine& engine, 
                                                                 const EdgeDistanceOptions& options) {
     const ContentKey key = KeyBuilder("edge_distance_map")
                                .add(depth_map.key)
-                               .add(options.edges.reach_texels)
+                               .add(options.edges.half_width_texels)
                                .add(options.edges.foreshortened)
                                .add(options.edges.silhouettes.skip_concave)
                                .add(options.edges.silhouettes.skip_two_sided)

@@ -54,7 +54,7 @@ public:
             depth_map->texture->bind(kDepthMapUnit);
             edge_map->texture->bind(kEdgeMapUnit);
             program_->set("u_softness_texels", float(task.parameters.get_float("softness")));
-            if (!is_thesis(task.parameters)) program_->set("u_missing_texels", float(options.edges.reach_texels));
+            if (!is_thesis(task.parameters)) program_->set("u_missing_texels", float(options.edges.half_width_texels));
         };
         outputs.set("visibility", resolve_.run(engine, {.frame = task.frame,
                                                         .light = task.light,
@@ -104,7 +104,7 @@ EdgeDistanceOptions edsm_edge_options(const ParameterValues& values) {
     options.edges.silhouettes.skip_two_sided = !thesis;
     options.edges.foreshortened = values.get_enum("quads") == "perspective";
     // An edge matters to texels whose 2 x 2 footprint it crosses, and as far as the soft kernel looks.
-    options.edges.reach_texels = (thesis ? 1.0 : kFootprintDiagonal) + 0.5 * values.get_float("softness");
+    options.edges.half_width_texels = (thesis ? 1.0 : kFootprintDiagonal) + 0.5 * values.get_float("softness");
     return options;
 }
 
@@ -123,8 +123,8 @@ TechniqueDescriptor describe_edsm() {
             [](const ParameterValues& values) {
                 // The soft kernel sees edges as far as their quads reach, and asks the map beside them.
                 const bool soft = values.get_float("softness") > 0;
-                return map_needs_with_margin(values,
-                                             soft ? int(std::ceil(edsm_edge_options(values).edges.reach_texels)) : 0);
+                return map_needs_with_margin(
+                    values, soft ? int(std::ceil(edsm_edge_options(values).edges.half_width_texels)) : 0);
             },
     };
 }

@@ -116,7 +116,7 @@ BorderSites::Result BorderSites::find(Engine& engine, const Frame& frame, const 
             sites_.texture(1),
             std::move(tiles),
             std::int64_t(stats.site_count),
-            double(std::bit_cast<float>(stats.largest_reach_bits)),
+            double(std::bit_cast<float>(stats.largest_radius_bits)),
             double(std::bit_cast<float>(stats.largest_penumbra_bits))};
 }
 

@@ -37,7 +37,7 @@ public:
         const gl::Texture& border_tx;  ///< RGBA32F, at sites only: shaders/techniques/edtsm/edtsm_sites.frag
         PictureTiles tiles;            ///< that hold all sites
         std::int64_t site_count = 0;
-        double reach_px = 0;     ///< how far from a site anything changes, at most
+        double radius_px = 0;    ///< how far from a site anything changes, at most
         double penumbra_px = 0;  ///< the widest penumbra on the screen
     };
 

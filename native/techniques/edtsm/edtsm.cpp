@@ -8,13 +8,13 @@
 //   4. penumbra: 1/2 +- distance / width, or what a light of its size leaves; then a mean filter against skeletons
 // Based on: [Macedo17] M. C. F. Macedo, A. L. Apolinario, Euclidean distance transform shadow mapping, Graphics
 // Interface 2017.
-// Differences: the border lies between pixels, so the ramp has no step there; one surface is told by planes and pixel
-// footprints and not by a threshold of depth; the site that is nearest on the surface is looked for, which the one that
-// is nearest on the screen is not where the surface is seen at a slant; the next borders on the same line count too, so
-// that thin casters and narrow gaps have their part; the width may come from the light's size, and the ramp is then the
-// light's own profile; the filter's size goes with the penumbra's width.
-// Fails: more than three borders in one penumbra, and crossing ones; borders that the camera does not see (behind
-// things, off the picture) soften nothing.
+// Differences: the border lies between pixels, so the ramp has no step there; one surface is recognised by planes and
+// pixel footprints and not by a threshold of depth; the site that is nearest on the surface is looked for, which the
+// one that is nearest on the screen is not where the surface is seen at a slant; the next borders on the same line
+// count too, so that thin casters and narrow gaps have their part; the width may come from the light's size, and the
+// ramp is then the light's own profile; the filter's size goes with the penumbra's width. Fails: more than three
+// borders in one penumbra, and crossing ones; borders that the camera does not see (behind things, off the picture)
+// soften nothing.
 #include "techniques/edtsm/edtsm.h"
 
 #include <algorithm>
@@ -35,7 +35,7 @@ namespace shadow_layers {
 namespace {
 
 constexpr double kLeastPenumbra = 1e-6, kLargestPenumbra = 1e6;
-constexpr int kGapReachTexels = 2;       // how far edtsm_sites.frag looks for a border's blocker
+constexpr int kGapRadiusTexels = 2;      // how far edtsm_sites.frag looks for a border's blocker
 constexpr int kMostFilterReachPx = 512;  // twice kLargestRadiusPx of edtsm_filter.frag
 // Work per pixel, in the plain reads that bands are measured by.
 constexpr double kWorkPerPenumbra = 150, kWorkPerTap = 4;
@@ -114,9 +114,9 @@ private:
                               const BorderSites::Result& sites) {
         const Frame& frame = task.frame;
         const double picture_px = std::hypot(frame.width, frame.height);
-        const int bound_px = int(std::ceil(std::min(picture_px, sites.reach_px))) + 1;
+        const int bound_px = int(std::ceil(std::min(picture_px, sites.radius_px))) + 1;
         const PictureTiles tiles = sites.tiles.grown(bound_px);
-        engine.count("reach_px", bound_px);
+        engine.count("radius_px", bound_px);
         engine.count("penumbra_tiles", std::int64_t(tiles.count()));
         const gl::Texture& nearest_tx = transform_.run(engine, sites.mask_tx, {.bound_px = bound_px});
         soft_.fit(engine, frame.width, frame.height, {GL_RGBA32F}, "penumbra");
@@ -146,9 +146,9 @@ private:
     }
 
     /// Rows, then columns; off the tiles the hard visibility stays.
-    void filter(Engine& engine, const gl::Texture& hard_tx, const PictureTiles& tiles, int reach_px) {
+    void filter(Engine& engine, const gl::Texture& hard_tx, const PictureTiles& tiles, int radius_px) {
         const auto timer = engine.time_stage("mean_filter");
-        const double work = kWorkPerTap * std::min(reach_px, kMostFilterReachPx);  // the window is a part of that
+        const double work = kWorkPerTap * std::min(radius_px, kMostFilterReachPx);  // the window is a part of that
         gl::Defines defines = {{"AXIS", "0"}, {"SCREEN_METRIC", settings_.screen_metric ? "1" : "0"}};
         const auto draw = [&](const gl::Texture& from, PictureTarget& to) {
             const gl::Program& program =
@@ -229,7 +229,7 @@ TechniqueDescriptor describe_edtsm() {
             [](const ParameterValues& values) {
                 const Source source = make_source(values);
                 TechniqueNeeds needs = find_inner_needs(source.technique, source.parameters);
-                needs.map_border_texels = std::max(needs.map_border_texels, kFootprintBorderTexels + kGapReachTexels);
+                needs.map_border_texels = std::max(needs.map_border_texels, kFootprintBorderTexels + kGapRadiusTexels);
                 needs.overscan_px += int(values.get_int("overscan"));
                 return needs;
             },

@@ -44,8 +44,8 @@ std::size_t PictureTiles::count() const {
     return std::size_t(std::count(marks_.begin(), marks_.end(), std::uint8_t(1)));
 }
 
-PictureTiles PictureTiles::grown(int reach_px) const {
-    const int reach = std::min((std::max(reach_px, 0) + kSide - 1) / kSide, std::max(columns_, rows_));
+PictureTiles PictureTiles::grown(int radius_px) const {
+    const int reach = std::min((std::max(radius_px, 0) + kSide - 1) / kSide, std::max(columns_, rows_));
     PictureTiles result = *this;
     std::fill(result.marks_.begin(), result.marks_.end(), std::uint8_t(0));
     for (int row = 0; row < rows_; ++row)

@@ -21,8 +21,8 @@ public:
 
     bool empty() const;
     std::size_t count() const;
-    /// These tiles and all within `reach_px` of one of their pixels.
-    PictureTiles grown(int reach_px) const;
+    /// These tiles and all within `radius_px` of one of their pixels.
+    PictureTiles grown(int radius_px) const;
 
     /// Draws the program in use (vertex: kVertexShader) over the tiles into the bound target of the picture's size, in
     /// bands between which a cancel is heard; a pixel reads about `reads_per_pixel` texels.

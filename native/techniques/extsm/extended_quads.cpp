@@ -116,9 +116,9 @@ Extrusion find_extrusion(const EdgeFacets& facets, glm::dvec3 to_light, bool spl
 
 bool make_quad(const LightView& view, glm::dvec4 start_lc, glm::dvec4 end_lc, glm::dvec3 extrusion_ws,
                ExtendedQuad& quad) {
-    const double kReachTexels = 2.0 * kTexelDiagonal;
+    const double kHalfWidthTexels = 2.0 * kTexelDiagonal;
     MapEdge edge;
-    if (!project_edge(view, start_lc, end_lc, kReachTexels, false, edge)) return false;
+    if (!project_edge(view, start_lc, end_lc, kHalfWidthTexels, false, edge)) return false;
     const MapPlane plane(view);
     const glm::dvec2 start(edge.start), end(edge.end);
     quad.start = edge.start;

@@ -23,9 +23,9 @@ struct EdgeFacets {
 /// From the edge a-b and its apexes `c` and `d` as in SilhouetteEdge (`d` null: boundary), all in one rigid space.
 EdgeFacets find_facets(glm::dvec3 a, glm::dvec3 b, glm::dvec3 c, const glm::dvec3* d);
 
-/// Which way a quad is extruded, [Bujnak04] 4.1: halfway between the two outward normals. If the facets meet at less
-/// than 90 degrees, a bevel is put between them and the quad spans from the bevel to one facet: the one that together
-/// with it makes a silhouette.
+/// The direction in which a quad is extruded, [Bujnak04] 4.1: halfway between the two outward normals. If the facets
+/// meet at less than 90 degrees, a bevel is put between them and the quad spans from the bevel to one facet: the one
+/// that together with it makes a silhouette.
 struct Extrusion {
     glm::dvec3 direction{0.0};  ///< unit
     bool bevelled = false;

@@ -50,7 +50,7 @@ void draw_layers(Engine& engine, const gl::Program& program, const DepthMap& dep
     program.set("u_size_texels", float(depth_tx.width()));
     program.set("u_depth_sign", options.depth_sign());
     if (options.forced)
-        program.set("u_reach_texels", float(options.reach_texels()));
+        program.set("u_half_width_texels", float(options.half_width_texels()));
     else
         program.set("u_guard_zone", float(options.guard_zone));
     for (int layer = 0; layer < depth_tx.layers(); ++layer) {
@@ -77,9 +77,9 @@ std::shared_ptr<const ExtendedShadowMap> render_extended_shadow_map(Engine& engi
     if (!options.forced) builder.add(options.guard_zone);
     const auto draw_forced = [&] {
         auto made = std::make_shared<ExtendedShadowMap>();
-        const MapEdges found = find_map_edges(
-            engine, scene, sample,
-            {.silhouettes = {.skip_concave = true, .skip_two_sided = true}, .reach_texels = options.reach_texels()});
+        const MapEdges found = find_map_edges(engine, scene, sample,
+                                              {.silhouettes = {.skip_concave = true, .skip_two_sided = true},
+                                               .half_width_texels = options.half_width_texels()});
         made->silhouette_edges = found.silhouette_edges;
         for (const auto& edges : found.by_view) made->edge_quads += std::int64_t(edges.size());
         const gl::Program& program = engine.program("stages/edge_quads.vert", "techniques/extsm/extsm_edges.frag");

@@ -24,7 +24,7 @@ struct ExtendedMapOptions {
     double guard_zone = 0.25;   ///< part of the quad, from its inner end on, that stores the value of its outer end
     float depth_sign() const { return farthest_edge ? -1.0f : 1.0f; }
     /// Half the width of a forced quad: an edge matters to texels whose 2 x 2 footprint it crosses.
-    double reach_texels() const { return kTexelDiagonal; }
+    double half_width_texels() const { return kTexelDiagonal; }
 };
 
 /// Cached by the depth map's key and the options. Counts "silhouette_edges", "bevelled_edges", "edge_quads",

@@ -59,7 +59,7 @@ public:
             edge_map->values->bind(kEdgeMapUnit);
             edge_map->depths->bind(kEdgeDepthUnit);
             program_->set("u_depth_sign", options.depth_sign());
-            if (options.forced) program_->set("u_reach_texels", float(options.reach_texels()));
+            if (options.forced) program_->set("u_half_width_texels", float(options.half_width_texels()));
         };
         const gl::Texture& visibility = resolve_.run(engine, {.frame = task.frame,
                                                               .light = task.light,

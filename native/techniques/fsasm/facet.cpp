@@ -75,15 +75,15 @@ std::optional<FacetMaker::Facet> FacetMaker::make(std::size_t pixel) const {
                  n};
 }
 
-double find_reach(const SquareForm& facet_rel) {
+double find_radius(const SquareForm& facet_rel) {
     if (!(facet_rel.least_w() > 0)) return std::numeric_limits<double>::infinity();
-    double reach = 0;
+    double radius = 0;
     for (const double x : {-0.5, 0.5})
         for (const double y : {-0.5, 0.5}) {
             const glm::dvec4 corner = facet_rel.value(x, y);
-            reach = std::max(reach, glm::length(glm::dvec3(corner) / corner.w - glm::dvec3(facet_rel.at)));
+            radius = std::max(radius, glm::length(glm::dvec3(corner) / corner.w - glm::dvec3(facet_rel.at)));
         }
-    return reach;
+    return radius;
 }
 
 SampleMask find_in_front(const SquareForm& form, const SamplePlaces& places) {
@@ -95,9 +95,9 @@ SampleMask find_in_front(const SquareForm& form, const SamplePlaces& places) {
 }
 
 SampleMask find_in_view(const SquareForm& facet_lc, const SamplePlaces& places) {
-    const auto reach = [&](int i) { return 0.5 * (std::abs(facet_lc.by_x[i]) + std::abs(facet_lc.by_y[i])); };
-    const double least_w = facet_lc.at.w - reach(3);
-    if (std::abs(facet_lc.at.x) + reach(0) <= least_w && std::abs(facet_lc.at.y) + reach(1) <= least_w)
+    const auto radius = [&](int i) { return 0.5 * (std::abs(facet_lc.by_x[i]) + std::abs(facet_lc.by_y[i])); };
+    const double least_w = facet_lc.at.w - radius(3);
+    if (std::abs(facet_lc.at.x) + radius(0) <= least_w && std::abs(facet_lc.at.y) + radius(1) <= least_w)
         return places.all();
     SampleMask mask;
     for (int i = 0; i < places.count; ++i) {

@@ -42,7 +42,7 @@ private:
 };
 
 /// Distance from the facet's centre to the farthest corner; infinite if the plane's horizon cuts the square.
-double find_reach(const SquareForm& facet_rel);
+double find_radius(const SquareForm& facet_rel);
 
 /// Samples of a form at which w > 0.
 SampleMask find_in_front(const SquareForm& form, const SamplePlaces& places);

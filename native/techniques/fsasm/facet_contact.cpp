@@ -114,12 +114,14 @@ void FacetContacts::cut_hidden(const SilhouetteFacet& owner, const NearCaster& c
     const glm::dvec4 plane(caster.normal, -glm::dot(caster.normal, caster.corners[0]));
     forms[3] = {side * glm::dot(plane, owner.rel.at), side * glm::dot(plane, owner.rel.by_x),
                 side * glm::dot(plane, owner.rel.by_y)};
-    const auto reach = [](const facet_kernel::LinearForm& f) { return 0.5 * (std::abs(f.by_x) + std::abs(f.by_y)); };
+    const auto half_range = [](const facet_kernel::LinearForm& f) {
+        return 0.5 * (std::abs(f.by_x) + std::abs(f.by_y));
+    };
     for (const auto& form : forms)
-        if (form.at_origin + reach(form) < 0) return;
+        if (form.at_origin + half_range(form) < 0) return;
     std::uint32_t hidden[kWords] = {~0u, ~0u, ~0u, ~0u};
     for (const auto& form : forms)
-        if (form.at_origin < reach(form)) build_.mask_half_plane(samples_, form, 0, hidden);
+        if (form.at_origin < half_range(form)) build_.mask_half_plane(samples_, form, 0, hidden);
     for (int word = 0; word < kWords; ++word) pair.cut[word] |= hidden[word];
 }
 

@@ -51,7 +51,7 @@ struct PairTexels {
 /// Four forms over a square: >= 0 where the three edges and the plane of a caster let it shadow the facet.
 struct Conditions {
     double at[4], by_x[4], by_y[4];
-    double reach[4];  ///< what the slopes add within the square, at most
+    double half_range[4];  ///< what the slopes add within the square, at most
     double error[4];
 };
 

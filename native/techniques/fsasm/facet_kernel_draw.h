@@ -33,8 +33,8 @@ inline bool make_conditions(const CasterTriangle& t, const LightFacet& f, Condit
         c.by_x[i] = t.at[i] * f.by_x[3] + t.by_x[i] * f.by_x[0] + t.by_y[i] * f.by_x[1] - is_depth[i] * f.by_x[2];
         c.by_y[i] = t.at[i] * f.by_y[3] + t.by_x[i] * f.by_y[0] + t.by_y[i] * f.by_y[1] - is_depth[i] * f.by_y[2];
         c.error[i] = t.error[i] * f.extent + is_depth[i] * (1e-14 * f.depth_extent);
-        c.reach[i] = 0.5 * (magnitude(c.by_x[i]) + magnitude(c.by_y[i]));
-        most[i] = c.at[i] + c.reach[i] + c.error[i];
+        c.half_range[i] = 0.5 * (magnitude(c.by_x[i]) + magnitude(c.by_y[i]));
+        most[i] = c.at[i] + c.half_range[i] + c.error[i];
     }
     return most[0] >= 0 && most[1] >= 0 && most[2] >= 0 && most[3] >= 0;
 }
@@ -92,12 +92,13 @@ inline void test_pair(const CasterTriangle& t, const LightFacet& f, const Sample
     ++answers.evaluations;
     Conditions c;
     if (!make_conditions(t, f, c)) return;
-    const bool is_near = c.at[3] - c.reach[3] - c.error[3] <= f.near;
+    const bool is_near = c.at[3] - c.half_range[3] - c.error[3] <= f.near;
     // Not a touch above the facet: as at a convex edge.
-    if (is_near && c.at[3] + c.reach[3] <= c.error[3]) return;
+    if (is_near && c.at[3] + c.half_range[3] <= c.error[3]) return;
     std::uint32_t mask[kWords] = {f.in_view[0], f.in_view[1], f.in_view[2], f.in_view[3]};
     for (int i = 0; i < 4; ++i)
-        if (c.at[i] - c.reach[i] - c.error[i] < 0) cut_half_plane(s, c.at[i], c.by_x[i], c.by_y[i], c.error[i], mask);
+        if (c.at[i] - c.half_range[i] - c.error[i] < 0)
+            cut_half_plane(s, c.at[i], c.by_x[i], c.by_y[i], c.error[i], mask);
     if (is_near) {
         ++answers.contacts;
         answers.settle(answers.context, t, f, c, mask, pair);
@@ -109,8 +110,8 @@ inline void test_pair(const CasterTriangle& t, const LightFacet& f, const Sample
 /// Does the triangle touch the texel about (x, y)?
 inline bool may_touch(const CasterTriangle& t, double x, double y, double half) {
     for (int i = 0; i < 3; ++i) {
-        const double reach = half * (1 + 1e-6) * (magnitude(t.by_x[i]) + magnitude(t.by_y[i]));
-        if (t.at[i] + x * t.by_x[i] + y * t.by_y[i] + reach + t.error[i] < 0) return false;
+        const double half_range = half * (1 + 1e-6) * (magnitude(t.by_x[i]) + magnitude(t.by_y[i]));
+        if (t.at[i] + x * t.by_x[i] + y * t.by_y[i] + half_range + t.error[i] < 0) return false;
     }
     return true;
 }

@@ -44,10 +44,10 @@ LightFacet make_light_facet(const SquareForm& lc) {
 
 /// Bound of depth_rz over the square, less what counts as near: a caster below it shadows none of the facet.
 float find_least_depth(const LightFacet& f) {
-    const double reach = 0.5 * (std::abs(f.by_x[3]) + std::abs(f.by_y[3])), nearest = f.at[3] - reach;
+    const double radius = 0.5 * (std::abs(f.by_x[3]) + std::abs(f.by_y[3])), nearest = f.at[3] - radius;
     if (!(nearest > 0)) return -std::numeric_limits<float>::infinity();
     const double least = f.at[2] - 0.5 * (std::abs(f.by_x[2]) + std::abs(f.by_y[2])) - f.near;
-    const double depth = least >= 0 ? least / (f.at[3] + reach) : least / nearest;
+    const double depth = least >= 0 ? least / (f.at[3] + radius) : least / nearest;
     return float(depth - kDepthReserve * std::abs(depth));
 }
 
@@ -116,7 +116,7 @@ private:
         const double depth = lc.at.w, near = view_.near_ls, far = view_.far_ls;
         if (!(depth > 0)) return 0;
         const double slope = view_.perspective ? near * far / ((far - near) * depth * depth) : 1 / (far - near);
-        return slope * find_reach(rel) * light_facet.at[3];
+        return slope * find_radius(rel) * light_facet.at[3];
     }
 
     PixelTexelPairs sort(const std::vector<PairBlock>& blocks) const {

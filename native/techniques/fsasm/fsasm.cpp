@@ -101,7 +101,7 @@ private:
         if (sample.views.empty()) return {};
         const auto depth_map = render_depth_map(engine, scene, sample);
         MapEdgeOptions options;
-        options.reach_texels = 1;
+        options.half_width_texels = 1;
         options.silhouettes.skip_concave = true;  // no border of a shadow
         const MapEdges found = find_map_edges(engine, scene, sample, options);
         const auto timer = engine.time_stage("silhouette_mask");

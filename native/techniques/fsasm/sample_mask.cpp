@@ -10,7 +10,7 @@ namespace shadow_layers {
 namespace {
 
 // Farther from the centre no line cuts the pixel, whose corners are 0.707 away; the table's last rows are such lines.
-constexpr double kReach = 0.75;
+constexpr double kMostDistance = 0.75;
 
 /// Steps of the lattices, found by search: of all they leave the least mean error over random half-planes, 0.044,
 /// 0.0148, 0.0084 and 0.0046 of the pixel.
@@ -73,7 +73,7 @@ HalfPlaneTable::HalfPlaneTable(const SamplePlaces& places) : masks_(std::size_t(
     for (int angle = 0; angle < kAngles; ++angle) {
         const double turn = 2 * std::numbers::pi * angle / kAngles;
         for (int offset = 0; offset < kOffsets; ++offset) {
-            const double at = (2 * (offset + 0.5) / kOffsets - 1) * kReach;
+            const double at = (2 * (offset + 0.5) / kOffsets - 1) * kMostDistance;
             SampleMask& mask = masks_[std::size_t(angle) * kOffsets + std::size_t(offset)];
             for (int i = 0; i < places.count; ++i)
                 if (at + std::cos(turn) * double(places.x[std::size_t(i)]) +
@@ -88,7 +88,7 @@ const SampleMask& HalfPlaneTable::find(double at, double by_x, double by_y) cons
     const double slope = std::hypot(by_x, by_y);
     const int angle = int(std::lround(std::atan2(by_y, by_x) * (kAngles / (2 * std::numbers::pi))) + kAngles) % kAngles;
     // A line that is the same everywhere is as far away as can be.
-    const double place = slope > 0 ? (at / (slope * kReach) + 1) * 0.5 * kOffsets : at >= 0 ? kOffsets : -1.0;
+    const double place = slope > 0 ? (at / (slope * kMostDistance) + 1) * 0.5 * kOffsets : at >= 0 ? kOffsets : -1.0;
     const int offset = int(std::clamp(std::floor(place), 0.0, double(kOffsets - 1)));
     return masks_[std::size_t(angle) * kOffsets + std::size_t(offset)];
 }

@@ -67,11 +67,12 @@ private:
     void judge(std::size_t pixel, std::vector<SilhouetteFacet>& found) const {
         const Facing facing = facing_[pixel];
         if (facing == Facing::Background || facing == Facing::Unlinked) return;
-        if (facing != Facing::Lit && !has_cone_) return;
-        const double reach = bound_reach(pixel);
-        const bool may_be_cut = has_cone_ && is_cut_by_cone(frame_.positions_rel[pixel], reach);
-        const bool is_border = facing == Facing::Lit && differs_from_neighbours(pixel);
-        if (!may_be_cut && !is_border && (facing != Facing::Lit || is_far_from_silhouettes(pixel, reach))) return;
+        if (facing != Facing::Undecided && !has_cone_) return;
+        const double radius = bound_radius(pixel);
+        const bool may_be_cut = has_cone_ && is_cut_by_cone(frame_.positions_rel[pixel], radius);
+        const bool is_border = facing == Facing::Undecided && differs_from_neighbours(pixel);
+        if (!may_be_cut && !is_border && (facing != Facing::Undecided || is_far_from_silhouettes(pixel, radius)))
+            return;
         const auto made = maker_.make(pixel);
         if (!made) return;
         SilhouetteFacet facet;
@@ -79,16 +80,16 @@ private:
         facet.rel = made->rel;
         facet.normal = made->normal;
         facet.is_turned_away = !is_turned_to_light(pixel);
-        const bool is_cut = may_be_cut && is_cut_by_cone(glm::dvec3(facet.rel.at), find_reach(facet.rel));
+        const bool is_cut = may_be_cut && is_cut_by_cone(glm::dvec3(facet.rel.at), find_radius(facet.rel));
         if (is_cut) facet.outside = find_outside(facet.rel);
-        if (!is_cut && facing != Facing::Lit) return;
+        if (!is_cut && facing != Facing::Undecided) return;
         const bool covers = covers_silhouette(facet);
         if (covers || is_cut || is_border) found.push_back(facet);
     }
 
     /// At least the distance of the facet's corners from its centre, in scene units. A step of the ray aside moves its
     /// meeting with the plane by that step and by what it is longer or shorter along the ray.
-    double bound_reach(std::size_t pixel) const {
+    double bound_radius(std::size_t pixel) const {
         const double x = double(pixel % std::size_t(frame_.width)) + 0.5;
         const double y = double(pixel / std::size_t(frame_.width)) + 0.5;
         const glm::dvec3 origin = rays_.origin_at(x, y), direction = rays_.direction_at(x, y);
@@ -101,23 +102,23 @@ private:
         return 1.01 * step * (length + along) / (along - direction_step_);
     }
 
-    /// Is every texel within that reach of the pixel's centre free of silhouettes?
-    bool is_far_from_silhouettes(std::size_t pixel, double reach) const {
+    /// Is every texel within that radius of the pixel's centre free of silhouettes?
+    bool is_far_from_silhouettes(std::size_t pixel, double radius) const {
         for (std::size_t view = 0; view < spaces_.size(); ++view) {
             const ClipSpace& space = spaces_[view];
             const glm::dvec4 lc = space.lc_from_rel * glm::dvec4(frame_.positions_rel[pixel], 1.0);
-            const double least_w = lc.w - reach * space.growth_w;
+            const double least_w = lc.w - radius * space.growth_w;
             if (!(least_w > 0)) {
-                if (lc.w + reach * space.growth_w > 0) return false;
+                if (lc.w + radius * space.growth_w > 0) return false;
                 continue;  // wholly behind the view
             }
             const double x = lc.x / lc.w, y = lc.y / lc.w, half = 0.5 * masks_[view].side();
-            const double reach_x = reach * (space.growth_x + std::abs(x) * space.growth_w) / least_w;
-            const double reach_y = reach * (space.growth_y + std::abs(y) * space.growth_w) / least_w;
+            const double radius_x = radius * (space.growth_x + std::abs(x) * space.growth_w) / least_w;
+            const double radius_y = radius * (space.growth_y + std::abs(y) * space.growth_w) / least_w;
             TexelRect rect;
-            set_range((x - reach_x + 1) * half, (x + reach_x + 1) * half, masks_[view].side(), rect.column_begin,
+            set_range((x - radius_x + 1) * half, (x + radius_x + 1) * half, masks_[view].side(), rect.column_begin,
                       rect.column_end);
-            set_range((y - reach_y + 1) * half, (y + reach_y + 1) * half, masks_[view].side(), rect.row_begin,
+            set_range((y - radius_y + 1) * half, (y + radius_y + 1) * half, masks_[view].side(), rect.row_begin,
                       rect.row_end);
             if (!rect.is_empty() && masks_[view].count(rect) > 0) return false;
         }
@@ -134,7 +135,7 @@ private:
         for (int v = std::max(y - 1, 0); v <= std::min(y + 1, frame_.height - 1); ++v)
             for (int u = std::max(x - 1, 0); u <= std::min(x + 1, width - 1); ++u) {
                 const std::size_t other = std::size_t(v) * std::size_t(width) + std::size_t(u);
-                if (facing_[other] == Facing::Lit && visibility_[other] != visibility_[pixel]) return true;
+                if (facing_[other] == Facing::Undecided && visibility_[other] != visibility_[pixel]) return true;
             }
         return false;
     }
@@ -163,11 +164,11 @@ private:
     }
 
     /// Does the cone's surface come nearer than that to the place?
-    bool is_cut_by_cone(const glm::dvec3& place_rel, double reach) const {
+    bool is_cut_by_cone(const glm::dvec3& place_rel, double radius) const {
         const glm::dvec3 to_light = find_to_light(glm::dvec4(place_rel, 1));
         const glm::dvec2 across(glm::dot(sample_.axes_ws[0], to_light), glm::dot(sample_.axes_ws[1], to_light));
         const double along = glm::dot(sample_.axes_ws[2], to_light);
-        return std::abs(glm::length(across) * sample_.cone_cos - along * sample_.cone_sin) <= reach;
+        return std::abs(glm::length(across) * sample_.cone_cos - along * sample_.cone_sin) <= radius;
     }
 
     SampleMask find_outside(const SquareForm& rel) const {

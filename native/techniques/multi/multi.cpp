@@ -3,11 +3,11 @@
 // Soft shadows as the mean of hard ones: the light's shape is sampled at N points, any technique for hard shadows
 // answers for each, and the session averages the answers with the light that each point would bring. The option
 // `light_samples` of that technique, with a name of its own. The soft reference where Blender is not at hand. Based on:
-// T. Heidmann, Real shadows, real time, 1991, as told by M. Kenzel, Edge Distance Shadow Mapping, 2013, section 1.1.1.
-// Differences: samples are weighted (cosines, and of an area light the distance), so that the ratio of light with and
-// without shadows comes out, as from Cycles; patterns made for the count. Fails: N + 1 grey levels, seen as bands in
-// wide penumbrae; bulbs that are large against their distance (lights/light_shape.h); what the hard technique gets
-// wrong.
+// T. Heidmann, Real shadows, real time, 1991, as described by M. Kenzel, Edge Distance Shadow Mapping, 2013,
+// section 1.1.1. Differences: samples are weighted (cosines, and of an area light the distance), so that the ratio of
+// light with and without shadows comes out, as from Cycles; patterns made for the count. Fails: N + 1 grey levels, seen
+// as bands in wide penumbrae; bulbs that are large against their distance (lights/light_shape.h); what the hard
+// technique gets wrong.
 #include "techniques/multi/multi.h"
 
 #include "techniques/common_parameters.h"

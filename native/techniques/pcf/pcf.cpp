@@ -3,7 +3,7 @@
 // Percentage-closer filtering: the mean of k x k depth tests.
 // Based on: W. T. Reeves, D. H. Salesin, R. L. Cook, Rendering antialiased shadows with depth maps, SIGGRAPH 1987.
 // Differences: a regular grid of taps; every tap is compared in the receiver's own plane; pixels whose taps all agree
-// for sure are told by a range map, without taps (docs/techniques/pcf.md).
+// for sure are found by a range map, without taps (docs/techniques/pcf.md).
 // Fails: the border's width follows the map's texels, not the light's size; wide kernels smear contacts.
 #include "techniques/pcf/pcf.h"
 
@@ -25,13 +25,13 @@ double tap_spacing(const ParameterValues& values) {
     return kernel > 1 && radius > 0 ? 2.0 * radius / double(kernel - 1) : 1.0;
 }
 
-double kernel_reach(const ParameterValues& values) {
+double kernel_radius(const ParameterValues& values) {
     return 0.5 * double(values.get_int("kernel") - 1) * tap_spacing(values);
 }
 
 /// How far a tap's texels lie from the receiver's own.
-int window_reach(const ParameterValues& values) {
-    return int(std::ceil(kernel_reach(values) + (values.get_bool("bilinear") ? 0.5 : 0.0)));
+int window_radius(const ParameterValues& values) {
+    return int(std::ceil(kernel_radius(values) + (values.get_bool("bilinear") ? 0.5 : 0.0)));
 }
 
 class PCF final : public Technique {
@@ -47,13 +47,13 @@ public:
         const LightSample& sample = task.sample;
         const double kernel = double(task.parameters.get_int("kernel"));
         const auto map = render_depth_map(engine, *task.frame.scene, sample);
-        const int reach = window_reach(task.parameters);
+        const int radius = window_radius(task.parameters);
         const auto ranges =
-            task.parameters.get_bool("early_out") ? render_depth_range_map(engine, *map, reach) : nullptr;
+            task.parameters.get_bool("early_out") ? render_depth_range_map(engine, *map, radius) : nullptr;
         const auto bind = [&] {
             map->texture->bind(kDepthMapUnit);
             if (ranges) ranges->bind();
-            program_->set("u_reach_texels", float(reach));
+            program_->set("u_radius_texels", float(radius));
             program_->set("u_spacing_texels", float(tap_spacing(task.parameters)));
         };
         outputs.set(
@@ -93,7 +93,7 @@ std::vector<ParameterSpec> pcf_parameters() {
 
 /// The square that the taps' texels cover.
 TruthSpec pcf_truth(const ParameterValues& values) {
-    const double side = 1 + 2 * kernel_reach(values) + (values.get_bool("bilinear") ? 1 : 0);
+    const double side = 1 + 2 * kernel_radius(values) + (values.get_bool("bilinear") ? 1 : 0);
     return {.kind = TruthKind::Filtered, .footprint_texels = side};
 }
 
@@ -107,7 +107,7 @@ TechniqueDescriptor describe_pcf() {
         .reference = "Reeves87",
         .limits = "The border's width follows the map's texels, not the light's size",
         .parameters = pcf_parameters(),
-        .needs = [](const ParameterValues& values) { return map_needs_with_margin(values, window_reach(values)); },
+        .needs = [](const ParameterValues& values) { return map_needs_with_margin(values, window_radius(values)); },
         .truth = pcf_truth,
     };
 }

@@ -48,7 +48,9 @@ TechniqueDescriptor describe_rpcf_rsmss() {
         .limits = "The border's width follows the map's texels, not the light's size",
         .parameters = revectorised_filter_parameters({channels_parameter()}),
         .needs =
-            [](const ParameterValues& values) { return map_needs_with_margin(values, read_settings(values).reach()); },
+            [](const ParameterValues& values) {
+                return map_needs_with_margin(values, read_settings(values).margin_texels());
+            },
         .truth = revectorised_filter_truth,
     };
 }

@@ -41,7 +41,7 @@ TechniqueDescriptor describe_rpcf_smsr() {
         .parameters = revectorised_filter_parameters({}),
         .needs =
             [](const ParameterValues& values) {
-                return map_needs_with_margin(values, revectorised_filter_settings(values).reach());
+                return map_needs_with_margin(values, revectorised_filter_settings(values).margin_texels());
             },
         .truth = revectorised_filter_truth,
     };

@@ -10,7 +10,7 @@ namespace shadow_layers {
 namespace {
 
 // A cell that an edge touches has its middle no farther from it than half its diagonal.
-constexpr double kReachTexels = 0.75;
+constexpr double kHalfWidthTexels = 0.75;
 
 /// Cells lie half a texel up and to the right of the texels of the same number.
 std::vector<MapEdge> shift_to_cells(std::vector<MapEdge> edges) {
@@ -40,7 +40,7 @@ std::shared_ptr<const SilhouetteMap> draw_silhouette_map(Engine& engine, const M
         if (std::size_t(layer) >= found.by_view.size()) continue;
         const std::vector<MapEdge> edges = shift_to_cells(found.by_view[std::size_t(layer)]);
         program.use();
-        program.set("u_reach_texels", float(kReachTexels));
+        program.set("u_half_width_texels", float(kHalfWidthTexels));
         program.set("u_size_texels", float(depth_tx.width()));
         program.set("u_layer", layer);
         depth_tx.bind(kDepthMapUnit);
@@ -56,7 +56,7 @@ std::shared_ptr<const SilhouetteMap> draw_silhouette_map(Engine& engine, const M
 std::shared_ptr<const SilhouetteMap> render_silhouette_map(Engine& engine, const Scene& scene,
                                                            const LightSample& sample, const DepthMap& depth_map) {
     MapEdgeOptions options;
-    options.reach_texels = kReachTexels + 0.5;
+    options.half_width_texels = kHalfWidthTexels + 0.5;
     options.silhouettes.skip_concave = true;  // no border of a shadow
     const ContentKey key = KeyBuilder("silhouette_map").add(depth_map.key).key();
     auto map = engine.stages().get<SilhouetteMap>(

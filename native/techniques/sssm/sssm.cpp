@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Shadow silhouette maps: beside the depth map a map with a point of the silhouette in every cell; where the four depth
 // tests round a receiver disagree, spokes between neighbouring points say which of them to believe.
-// Based on: P. Sen, M. Cammarano, P. Hanrahan, Shadow silhouette maps, SIGGRAPH 2003, as told in M. Kenzel, Edge
+// Based on: P. Sen, M. Cammarano, P. Hanrahan, Shadow silhouette maps, SIGGRAPH 2003, as described in M. Kenzel, Edge
 // Distance Shadow Mapping, 2013, 2.2. Differences: points come from edges that are cut to each cell in the shader, an
 // edge's end in a cell is kept; depth tests as in sm, per corner in the receiver's plane. Fails: two silhouettes in a
 // cell (the last one drawn is kept); features smaller than a texel.

@@ -5,9 +5,9 @@
 // robust stenciled shadow volumes, 2002 (count behind the receiver, caps at infinity); B. Kim, K. Kim, G. Turk, A
 // shadow-volume algorithm for opaque and transparent nonmanifold casters, 2008 (multiplicities). Differences: the
 // polygons are drawn by this technique's own rasteriser in double, in homogeneous pixel coordinates, because a GL snaps
-// corners to the raster and clips at the near plane; what lies behind the receiver is told by the polygon's plane, not
-// by a depth; counts have 32 bits. Fails: nothing known, but for time: many silhouette edges make long thin sides over
-// the whole picture.
+// corners to the raster and clips at the near plane; what lies behind the receiver is decided by the polygon's plane,
+// not by a depth; counts have 32 bits. Fails: nothing known, but for time: many silhouette edges make long thin sides
+// over the whole picture.
 #include "techniques/sv/sv.h"
 
 #include "techniques/common_parameters.h"

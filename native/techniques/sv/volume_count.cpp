@@ -63,9 +63,9 @@ bool VolumeCounter::find_receivers() {
     std::vector<std::int64_t> receivers(height, 0);
     engine_.threads().parallel_for(height, 1, [&](std::size_t row, std::size_t) {
         for (std::size_t pixel = row * width; pixel < (row + 1) * width; ++pixel) {
-            const Facing way = facing.classify(pixel);
-            visibility_[pixel] = get_unoccluded_visibility(way);
-            if (way != Facing::Lit || !light_.casts_shadow) continue;
+            const Facing facing_of_pixel = facing.classify(pixel);
+            visibility_[pixel] = get_unoccluded_visibility(facing_of_pixel);
+            if (facing_of_pixel != Facing::Undecided || !light_.casts_shadow) continue;
             decided_[pixel] = 0;
             const glm::dvec3 p = rule.find_receiver(pixel);
             x_[pixel] = p.x, y_[pixel] = p.y, z_[pixel] = p.z;

@@ -65,7 +65,7 @@ private:
     const PictureSpace& picture_;
     std::uint32_t instance_;
     bool directional_;
-    glm::dvec3 light_rel_;  ///< or the way to a sun
+    glm::dvec3 light_rel_;  ///< or the direction to a sun
     glm::dmat3 linear_;
     glm::dvec3 offset_rel_;
     glm::dvec4 light_in_object_;

@@ -6,14 +6,14 @@
 #include "stages/revectorised_filter/inputs.glsl"
 #include "stages/depth_range.glsl"
 
-layout(location = 1) uniform float u_reach_texels;
+layout(location = 1) uniform float u_radius_texels;
 layout(location = 0) out float visibility;
 
 void main() {
     fetch_kernel(ivec2(gl_FragCoord.xy));
     vec2 first = vec2(kernel.first - kRim);
     float decided = EARLY_OUT != 0 ? decide_taps(kernel.point, kernel.layer, first,
-                                                 first + float(kExtent + 2 * kRim), u_reach_texels)
+                                                 first + float(kExtent + 2 * kRim), u_radius_texels)
                                    : kWindowMixed;
     bool map_decides = kernel.receiver.fixed_visibility == kMapDecides && kernel.layer >= 0;
     if (map_decides && decided == kWindowMixed) discard;

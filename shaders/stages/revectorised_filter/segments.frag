@@ -11,10 +11,10 @@
 
 layout(location = 0) out float visibility;
 
-// (texels - way) / texels > depth, rounded as make_run of the library does it.
-bool has_passed(float texels, float way, float depth) { return (texels - way) / texels > depth; }
+// (texels - distance) / texels > depth, rounded as make_run of the library does it.
+bool has_passed(float texels, float distance, float depth) { return (texels - distance) / texels > depth; }
 
-// Most steps at which the run has come farther than `depth`, the way being steps + `shift`.
+// Most steps at which the run has come farther than `depth`, the distance being steps + `shift`.
 int count_passed(float texels, float depth, float shift) {
     float guess = floor(texels * (1.0 - depth) - shift);
     bool next = has_passed(texels, guess + 1.0 + shift, depth), own = has_passed(texels, guess + shift, depth);
@@ -27,11 +27,13 @@ struct Segment {
     bool closed_low, closed_high;
 };
 
-// Sum over the bits of 1 - way / texels - depth. Ways are steps - at from the higher end, steps - 1 + at from the lower.
+// Sum over the bits of 1 - distance / texels - depth. Distances are steps - at from the higher end, steps - 1 + at from
+// the lower.
 float sum_ramp(Segment segment, uint bits, bool from_high, float texels, float depth, float at) {
     float count = float(bitCount(bits)), places = float(sum_of_places(bits));
-    float ways = from_high ? count * (float(segment.high + 1) - at) - places : places - count * (float(segment.low) - at);
-    return count * (1.0 - depth) - ways / texels;
+    float distances =
+        from_high ? count * (float(segment.high + 1) - at) - places : places - count * (float(segment.low) - at);
+    return count * (1.0 - depth) - distances / texels;
 }
 
 // Gain of the texels `wanted` of a segment. `at`: the sample's place along the line. Without branches and loops: of a

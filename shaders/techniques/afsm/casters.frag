@@ -33,12 +33,12 @@ TexelForm move_form(vec4 form, vec2 steps) {
     TexelForm moved;
     moved.at = form.x + form.y * steps.x + form.z * steps.y;
     moved.slope = abs(form.y) + abs(form.z);
-    vec2 reach = abs(steps) + 1.0;
-    moved.error = kFloatError * (abs(form.x) + abs(form.y) * reach.x + abs(form.z) * reach.y) + form.w;
+    vec2 extent = abs(steps) + 1.0;
+    moved.error = kFloatError * (abs(form.x) + abs(form.y) * extent.x + abs(form.z) * extent.y) + form.w;
     return moved;
 }
 
-bool is_out_of_reach(TexelForm form) {
+bool is_outside(TexelForm form) {
     return form.at + form.slope * (0.5 + u_largest_place_error) + 2.0 * form.error < 0.0;
 }
 
@@ -54,7 +54,7 @@ void main() {
     vec2 steps = vec2(texel - middle);
     TexelForm e0 = move_form(edge_0, steps), e1 = move_form(edge_1, steps), e2 = move_form(edge_2, steps);
     TexelForm plane = move_form(depth_form, steps);
-    bool touched = !(is_out_of_reach(e0) || is_out_of_reach(e1) || is_out_of_reach(e2));
+    bool touched = !(is_outside(e0) || is_outside(e1) || is_outside(e2));
     uint link = touched ? imageLoad(u_head_img, texel).r : kListEnd;
     uint tests = 0u;
     while (link != kListEnd) {

@@ -9,7 +9,7 @@
 #include "shared/light_params.h"
 
 layout(binding = kDepthMapUnit) uniform sampler2DArrayShadow depth_map_tx;
-layout(location = 0) uniform float u_reach_texels;
+layout(location = 0) uniform float u_half_width_texels;
 layout(location = 1) uniform float u_size_texels;
 layout(location = 2) uniform int u_layer;
 layout(location = 3) uniform float u_depth_scale;
@@ -36,5 +36,5 @@ void main() {
     // Seen from the light the caster is on the left of the edge (scene/silhouettes.h), where edge.normal points.
     edge_texel = vec4(-edge.normal, -edge.line_distance, encode_edge_depth(depth_rz, u_depth_scale));
     // Distances on a quad are below 2 reach; a cosine is at most 1.
-    gl_FragDepth = edge_priority(EDGE_ORDER, edge) / (4.0 * u_reach_texels + 2.0);
+    gl_FragDepth = edge_priority(EDGE_ORDER, edge) / (4.0 * u_half_width_texels + 2.0);
 }

@@ -4,7 +4,7 @@
 // Defines: AXIS (0: rows, 1: columns, which writes the visibility alone), SCREEN_METRIC (1: sizes are in pixels).
 // Based on: [Macedo17] 3.4, Eq. 2 and 3. Differences: a size in the scene is measured on the surface, which may be seen
 // at a slant, along each axis; the window ends within pixels, so that it follows the distance without steps; what lies
-// on another surface is told by the centre's plane and the pixel's size, and counts as the centre.
+// on another surface is decided by the centre's plane and the pixel's size, and counts as the centre.
 #include "techniques/edtsm/pixel_footprint_lib.glsl"
 #include "techniques/edtsm/penumbra_params.h"
 #include "shared/light_params.h"

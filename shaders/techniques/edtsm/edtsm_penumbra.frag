@@ -19,7 +19,7 @@ layout(location = 0) out vec4 soft;
 struct Site {
     bool found;
     ivec2 pixel;
-    vec3 way;        // from the border's point to the receiver, scene units
+    vec3 offset;     // from the border's point to the receiver, scene units
     float distance;  // in the metric's units
     float gap;
 };
@@ -30,12 +30,12 @@ uint find_nearest(vec2 pixel) {
 
 // What counts of a way on the surface. From the light, how far two places are apart across its rays: a surface that it
 // grazes has a longer penumbra along them, and another border point answers for it.
-vec3 across(vec3 way, Receiver receiver) {
+vec3 across(vec3 offset, Receiver receiver) {
 #if FROM_LIGHT
     vec3 ahead = normalize(receiver.to_light);
-    return way - ahead * dot(ahead, way);
+    return offset - ahead * dot(ahead, offset);
 #else
-    return way;
+    return offset;
 #endif
 }
 
@@ -45,15 +45,15 @@ void try_site(ivec2 site, ivec2 pixel, Receiver receiver, float side, inout Site
     vec3 site_rel = texelFetch(position_tx, site, 0).xyz;
     vec3 site_normal = texelFetch(normal_tx, site, 0).xyz;
 #if SCREEN_METRIC
-    vec3 way = receiver.position_rel - site_rel;
+    vec3 offset = receiver.position_rel - site_rel;
     float distance = length(vec2(pixel - site) - border.xy);
 #else
-    vec3 way = receiver.position_rel - border.xyz;
-    float distance = length(across(way, receiver));
+    vec3 offset = receiver.position_rel - border.xyz;
+    float distance = length(across(offset, receiver));
 #endif
     bool is_better = (!best.found || distance < best.distance) &&
                      is_one_surface(receiver.position_rel, receiver.normal, site_rel, site_normal, side);
-    if (is_better) best = Site(true, site, way, distance, border.w);
+    if (is_better) best = Site(true, site, offset, distance, border.w);
 }
 
 // The border's foot point is nearest on the screen, where the border crosses the way to it at a right angle. On the
@@ -96,9 +96,9 @@ Site find_site(ivec2 pixel, Receiver receiver, Footprint footprint) {
 // Part of the light that is not behind the blocker's edge, half of it at least: the edge is taken as straight, at `gap`
 // before the border's point, and across the light's rays.
 float compute_light_fraction(Receiver receiver, Site site) {
-    vec3 border_to_light = receiver.to_light + light.place_rel.w * site.way;
-    vec3 to_blocker = normalize(border_to_light) * site.gap - site.way;
-    vec3 tangent = cross(receiver.to_light, site.way);
+    vec3 border_to_light = receiver.to_light + light.place_rel.w * site.offset;
+    vec3 to_blocker = normalize(border_to_light) * site.gap - site.offset;
+    vec3 tangent = cross(receiver.to_light, site.offset);
     float scale = max(length(to_blocker) * length(tangent), 1e-30);
     vec3 plane = cross(to_blocker, tangent) / scale;
     int shape = int(penumbra.light_u.w);
@@ -139,14 +139,14 @@ vec2 find_way_px(ivec2 pixel, Footprint footprint, Site site) {
 #else
     float xx = dot(footprint.dx, footprint.dx), yy = dot(footprint.dy, footprint.dy);
     float xy = dot(footprint.dx, footprint.dy);
-    vec2 along = -vec2(dot(footprint.dx, site.way), dot(footprint.dy, site.way));
+    vec2 along = -vec2(dot(footprint.dx, site.offset), dot(footprint.dy, site.offset));
     return vec2(yy * along.x - xy * along.y, xx * along.y - xy * along.x) / max(xx * yy - xy * xy, 1e-30);
 #endif
 }
 
 // The next border on the line through the receiver and the nearest border's point: beyond that point (`direction` 1),
 // or behind the receiver (-1). Both states between the receiver and `reach` are looked at in a few places.
-Site find_next_border(ivec2 pixel, Receiver receiver, Footprint footprint, Site nearest, float reach, float direction,
+Site find_next_border(ivec2 pixel, Receiver receiver, Footprint footprint, Site nearest, float radius, float direction,
                       bool sought) {
     Site next = Site(false, pixel, vec3(0.0), 0.0, 0.0);
     vec2 per_unit = direction * find_way_px(pixel, footprint, nearest) / max(nearest.distance, 1e-30);
@@ -154,8 +154,8 @@ Site find_next_border(ivec2 pixel, Receiver receiver, Footprint footprint, Site 
     float share = 0.125;
     ivec2 at = pixel;
     bool is_other = false;
-    for (int k = nearest.distance < reach ? 0 : 4; k < 4 && !is_other; ++k, share *= 2.0) {
-        vec2 place = vec2(pixel) + per_unit * mix(nearest.distance, reach, share);
+    for (int k = nearest.distance < radius ? 0 : 4; k < 4 && !is_other; ++k, share *= 2.0) {
+        vec2 place = vec2(pixel) + per_unit * mix(nearest.distance, radius, share);
         at = clamp(ivec2(round(place)), ivec2(0), last);
         is_other = (texelFetch(visibility_tx, at, 0).x >= 0.5) == sought;
     }
@@ -164,16 +164,17 @@ Site find_next_border(ivec2 pixel, Receiver receiver, Footprint footprint, Site 
         if (!is_site(site)) continue;
         try_site(unpack_site(site), pixel, receiver, footprint.side, next);
         // Not the nearest border again, and on the right side.
-        next.found = next.found && next.distance > nearest.distance && direction * dot(next.way, nearest.way) > 0.0;
+        next.found =
+            next.found && next.distance > nearest.distance && direction * dot(next.offset, nearest.offset) > 0.0;
     }
     return next;
 }
 
 // What is left of the light: the parts beyond the nearest border, the next one beyond it and the one behind the
 // receiver are taken as parallel strips.
-float soften(ivec2 pixel, Receiver receiver, Footprint footprint, Site site, float reach, bool lit) {
-    Site beyond = find_next_border(pixel, receiver, footprint, site, reach, 1.0, lit);
-    Site behind = find_next_border(pixel, receiver, footprint, site, reach, -1.0, !lit);
+float soften(ivec2 pixel, Receiver receiver, Footprint footprint, Site site, float radius, bool lit) {
+    Site beyond = find_next_border(pixel, receiver, footprint, site, radius, 1.0, lit);
+    Site behind = find_next_border(pixel, receiver, footprint, site, radius, -1.0, !lit);
     float side = footprint.side;
     float strip = find_share(receiver, beyond, side) - find_share(receiver, site, side);
     float other = clamp(max(strip, 0.0) + 1.0 - find_share(receiver, behind, side), 0.0, 1.0);
@@ -202,10 +203,10 @@ void main() {
         Site site = find_site(pixel, receiver, footprint);
         if (!site.found) continue;
         float width = find_width(receiver, site.gap, footprint.side);
-        float reach = 0.5 * width;
-        soft.x = soften(pixel, receiver, footprint, site, reach, hard >= 0.5);
+        float radius = 0.5 * width;
+        soft.x = soften(pixel, receiver, footprint, site, radius, hard >= 0.5);
         // Beyond ramp and filter nothing changes any more.
-        bool is_near = site.distance <= reach + 0.5 * penumbra.width.z * width;
+        bool is_near = site.distance <= radius + 0.5 * penumbra.width.z * width;
         soft.y = is_near ? 0.5 * penumbra.width.z * width : 0.0;
     }
 }

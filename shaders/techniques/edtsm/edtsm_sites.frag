@@ -54,7 +54,7 @@ Border find_border(ivec2 pixel, bool lit) {
 }
 
 // Half the side of the square of pixels that a straight border is fitted to.
-const int kFitReach = 2;
+const int kFitRadius = 2;
 // Pixels this near to the fitted line may be on either side of it.
 const float kFitSlack_px = 0.75;
 
@@ -70,13 +70,13 @@ bool is_fit_pixel(Receiver receiver, ivec2 pixel, float side) {
 vec3 fit_line(ivec2 pixel) {
     vec2 towards_lit = vec2(0.0);
     float lit_count = 0.0;
-    for (int y = -kFitReach; y <= kFitReach; ++y)
-        for (int x = -kFitReach; x <= kFitReach; ++x) {
+    for (int y = -kFitRadius; y <= kFitRadius; ++y)
+        for (int x = -kFitRadius; x <= kFitRadius; ++x) {
             float lit = is_lit(pixel + ivec2(x, y)) ? 1.0 : 0.0;
             lit_count += lit;
             towards_lit += lit * vec2(x, y);
         }
-    float width = float(2 * kFitReach + 1);
+    float width = float(2 * kFitRadius + 1);
     vec2 normal = towards_lit / max(length(towards_lit), 1e-6);
     float part = lit_count / (width * width);
     return vec3(normal, (0.5 - part) * width * max(abs(normal.x), abs(normal.y)));
@@ -85,8 +85,8 @@ vec3 fit_line(ivec2 pixel) {
 // Are the pixels of the square those of the line, on one surface? Corners, lines and rims of things are not.
 bool is_line(ivec2 pixel, vec3 line, Receiver receiver, float side) {
     bool fits = abs(line.z) <= 1.0 && line.xy != vec2(0.0);
-    for (int y = -kFitReach; y <= kFitReach && fits; ++y)
-        for (int x = -kFitReach; x <= kFitReach && fits; ++x) {
+    for (int y = -kFitRadius; y <= kFitRadius && fits; ++y)
+        for (int x = -kFitRadius; x <= kFitRadius && fits; ++x) {
             float beyond = dot(line.xy, vec2(x, y)) - line.z;
             bool may_be = abs(beyond) <= kFitSlack_px || (beyond > 0.0) == is_lit(pixel + ivec2(x, y));
             fits = may_be && is_fit_pixel(receiver, pixel + ivec2(x, y), side);
@@ -116,10 +116,10 @@ float measure_gap(Receiver receiver, int layer, float receiver_rz, float blocker
 }
 
 // Mean gap over the blockers in a square of texels.
-float average_gap(Receiver receiver, int layer, MapPoint point, int reach) {
+float average_gap(Receiver receiver, int layer, MapPoint point, int radius) {
     float sum = 0.0, count = 0.0;
-    for (int y = -reach; y <= reach; ++y)
-        for (int x = -reach; x <= reach; ++x) {
+    for (int y = -radius; y <= radius; ++y)
+        for (int x = -radius; x <= radius; ++x) {
             vec2 centre = floor(point.texel) + vec2(x, y) + 0.5;
             float depth_rz = texelFetch(depth_map_tx, ivec3(centre, layer), 0).x;
             if (depth_rz <= reference_depth(point, centre - point.texel)) continue;
@@ -144,18 +144,18 @@ float find_gap(Receiver receiver) {
 void count_site(Receiver receiver, float gap) {
     Footprint footprint = compute_footprint(camera, receiver.position_rel, receiver.normal);
     float width = penumbra_width(gap, length(receiver.to_light));
-    float reach = (0.5 + penumbra.width.z) * width * stretch_on(receiver);
+    float radius = (0.5 + penumbra.width.z) * width * slant_of(receiver);
     // Nearer to the camera the same length is more pixels.
-    float nearest = camera.forward.w > 0.5 ? max(1.0 - reach / max(footprint.depth_vs, 1e-30), 0.25) : 1.0;
-    float reach_px = reach / (footprint.side * nearest), width_px = width / footprint.side;
+    float nearest = camera.forward.w > 0.5 ? max(1.0 - radius / max(footprint.depth_vs, 1e-30), 0.25) : 1.0;
+    float radius_px = radius / (footprint.side * nearest), width_px = width / footprint.side;
 #if SCREEN_METRIC && !FROM_LIGHT
     width_px = penumbra.width.y;
 #endif
 #if SCREEN_METRIC
-    reach_px = (0.5 + penumbra.width.z) * width_px;
+    radius_px = (0.5 + penumbra.width.z) * width_px;
 #endif
     atomicAdd(stats.site_count, 1u);
-    atomicMax(stats.largest_reach_bits, floatBitsToUint(min(reach_px, 1e9)));
+    atomicMax(stats.largest_radius_bits, floatBitsToUint(min(radius_px, 1e9)));
     atomicMax(stats.largest_penumbra_bits, floatBitsToUint(min(width_px, 1e9)));
 }
 

@@ -33,8 +33,9 @@ float fraction_of_square(vec2 slope, float at) {
 float fraction_beside_plane(int shape, vec3 normal, vec3 to_centre, vec3 half_u, vec3 half_v) {
     float centre = abs(dot(normal, to_centre));
     vec2 slope = vec2(dot(normal, half_u), dot(normal, half_v));
-    float reach = shape == kCutSquare ? abs(slope.x) + abs(slope.y) : length(slope);
+    float half_extent = shape == kCutSquare ? abs(slope.x) + abs(slope.y) : length(slope);
     // No slope: the plane does not cut the light's plane near it (or there is no plane), and all of it is on one side.
-    if (!(centre < reach)) return centre > 0.0 ? 1.0 : 0.5;
-    return shape == kCutSquare ? fraction_of_square(slope, centre / reach) : fraction_of_disc(centre / reach);
+    if (!(centre < half_extent)) return centre > 0.0 ? 1.0 : 0.5;
+    return shape == kCutSquare ? fraction_of_square(slope, centre / half_extent)
+                               : fraction_of_disc(centre / half_extent);
 }

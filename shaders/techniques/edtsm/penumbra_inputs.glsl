@@ -17,12 +17,12 @@ layout(std140, binding = kPenumbraParamsSlot) uniform PenumbraBlock {
 };
 
 // A penumbra from the light is wider on a slope than across the light's rays; more than this is not looked for.
-const float kLargestStretch = 5.0;
+const float kLargestSlant = 5.0;
 
-float stretch_on(Receiver receiver) {
+float slant_of(Receiver receiver) {
 #if FROM_LIGHT
     float slope = dot(receiver.normal, receiver.to_light) / max(length(receiver.to_light), 1e-30);
-    return 1.0 / max(slope, 1.0 / kLargestStretch);
+    return 1.0 / max(slope, 1.0 / kLargestSlant);
 #else
     return 1.0;
 #endif

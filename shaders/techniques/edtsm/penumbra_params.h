@@ -29,7 +29,7 @@ struct PenumbraParams {
 // Filled while sites are found. A site's reach is how far its penumbra goes on the screen, mean filter included.
 struct BorderStats {
     uint site_count;
-    uint largest_reach_bits;     // of a float above 0, in pixels: as integers they have the same order
+    uint largest_radius_bits;    // of a float above 0, in pixels: as integers they have the same order
     uint largest_penumbra_bits;  // likewise: penumbra's width without filter
     uint unused;
 };

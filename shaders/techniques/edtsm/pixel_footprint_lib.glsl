@@ -23,11 +23,11 @@ Footprint compute_footprint(PixelCamera camera, vec3 position_rel, vec3 normal) 
     Footprint footprint;
     bool is_perspective = camera.forward.w > 0.5;
     float depth_vs = dot(camera.forward.xyz, position_rel);
-    float reach = is_perspective ? max(depth_vs, 1e-30) : 1.0;
-    vec3 direction = is_perspective ? position_rel / reach : camera.forward.xyz;
+    float ray_scale = is_perspective ? max(depth_vs, 1e-30) : 1.0;
+    vec3 direction = is_perspective ? position_rel / ray_scale : camera.forward.xyz;
     // The step to the next ray at the same view depth.
-    vec3 across_x = camera.origin_dx.xyz + reach * camera.direction_dx.xyz;
-    vec3 across_y = camera.origin_dy.xyz + reach * camera.direction_dy.xyz;
+    vec3 across_x = camera.origin_dx.xyz + ray_scale * camera.direction_dx.xyz;
+    vec3 across_y = camera.origin_dy.xyz + ray_scale * camera.direction_dy.xyz;
     footprint.depth_vs = depth_vs;
     footprint.side = max(length(across_x), length(across_y));
     // Then along the ray, back onto the plane: n . (across + step * direction) = 0.
@@ -45,9 +45,9 @@ Footprint compute_footprint(PixelCamera camera, vec3 position_rel, vec3 normal) 
 // tilt. At a step in depth the nearer one lies before the other's plane, and the other one behind its own.
 bool is_one_surface(vec3 position_a, vec3 normal_a, vec3 position_b, vec3 normal_b, float pixel_side) {
     const float facet_tilt = 0.1;  // about 6 degrees
-    vec3 way = position_b - position_a;
-    float b_above_a = dot(normal_a, way);
-    float a_above_b = -dot(normal_b, way);
-    float slack = pixel_side + facet_tilt * length(way);
+    vec3 offset = position_b - position_a;
+    float b_above_a = dot(normal_a, offset);
+    float a_above_b = -dot(normal_b, offset);
+    float slack = pixel_side + facet_tilt * length(offset);
     return b_above_a * a_above_b >= 0.0 || max(abs(b_above_a), abs(a_above_b)) <= slack;
 }

@@ -31,7 +31,7 @@ void main() {
     // exp(c^2 v / 2), v the variance that slope and kernel give: a bias of c v / 2, and never more than the reach. Nor
     // more than from the one warp's mean to the other's, or a receiver that the light grazes would see through casters.
     float apart = log(filtered.moments.x) / u_exponents.x + log(-filtered.moments.z) / u_exponents.y;
-    float bias = min(min(0.5 * u_exponents.y * filtered.variance, filtered.reach), max(apart, 0.0));
+    float bias = min(min(0.5 * u_exponents.y * filtered.variance, filtered.largest_rise), max(apart, 0.0));
     float lit_behind = bound_warped(filtered.moments.zw, -exp(-u_exponents.y * (filtered.depth - bias - rounding.y)));
     lit = min(lit, lit_behind);
 #endif

@@ -13,8 +13,8 @@ using glm::vec4;
 const int kExtendedQuadSlot = 0;  // shader storage binding
 const int kEdgeDepthUnit = 4;     // beside kEdgeMapUnit, which holds the values
 
-/// A silhouette edge in a map with the quad's way out of the caster: ends in texels (x, y) and depth_rz (z); outward
-/// step at the start (xy) and at the end (zw), of length 1 where nothing is foreshortened.
+/// A silhouette edge in a map with the quad's direction out of the caster: ends in texels (x, y) and depth_rz (z);
+/// outward step at the start (xy) and at the end (zw), of length 1 where nothing is foreshortened.
 struct ExtendedQuad {
     vec4 start;
     vec4 end;

@@ -4,7 +4,7 @@
 // stored distances say where between the texels the border runs, without a shift.
 #include "techniques/extsm/extsm_inputs.glsl"
 
-layout(location = 4) uniform float u_reach_texels;
+layout(location = 4) uniform float u_half_width_texels;
 
 void main() {
     Receiver receiver = fetch_receiver(ivec2(gl_FragCoord.xy));
@@ -20,7 +20,7 @@ void main() {
     EdgeFootprint edges = fetch_footprint(corner, layer);
     bvec4 before = greaterThanEqual(edges.depths_rz, vec4(point.depth_rz - point.rounding));
     // Without an edge before the receiver the border runs midway between texels that disagree.
-    vec4 distances = mix(vec4(0.5), (1.0 - edges.values) * u_reach_texels,
+    vec4 distances = mix(vec4(0.5), (1.0 - edges.values) * u_half_width_texels,
                          bvec4(uvec4(edges.held) & uvec4(before)));
     float signed_distance = dot(bilinear_weights(point.texel - 0.5 - corner), (2.0 * lit - 1.0) * distances);
     bool agree = lit.x == lit.y && lit.x == lit.z && lit.x == lit.w;

@@ -7,7 +7,7 @@
 
 // A receiver within a quad is at most so many texels from the edge, as far as it lies inside the caster's outline: a
 // face that ends at the edge must not take it for something before it.
-const float kInsideReach = kTexelDiagonal + kShiftTexels;
+const float kInsideRadius = kTexelDiagonal + kShiftTexels;
 // A texel with a smaller value lies so far outside that the border can't pass through it, even on a quad of least
 // width; without this bound, texels beyond the quad's outer end, which count as inside, would leave dots of shadow
 // there.
@@ -26,7 +26,7 @@ void main() {
     EdgeFootprint edges = fetch_footprint(corner, layer);
     float value = dot(bilinear_weights(at), mix(vec4(kNoEdgeValue), edges.values, edges.held));
     int nearest = (at.x >= 0.5 ? 1 : 0) + (at.y >= 0.5 ? 2 : 0);
-    float before = point.depth_rz + point.rounding + kInsideReach * length(point.gradient);
+    float before = point.depth_rz + point.rounding + kInsideRadius * length(point.gradient);
     bool behind_edge =
         edges.held[nearest] && edges.depths_rz[nearest] > before && edges.values[nearest] >= kFarOutside;
     bool shadowed = lit < 0.5 || (behind_edge && value > 1.0 - kShiftedCoordinate);

@@ -24,7 +24,8 @@ void main() {
     // symmetric kernel are a standard deviation before and behind its middle. Twice the map's own deviation is enough
     // where the plane is bent; more would let a receiver that the light grazes see through casters.
     float measured = max(moments.y - moments.x * moments.x, 0.0);
-    float bias = min(min(sqrt(filtered.variance) + 2.0 * filtered.cut_off, filtered.reach), 2.0 * sqrt(measured));
+    float bias = min(sqrt(filtered.variance) + 2.0 * filtered.cut_off, filtered.largest_rise);
+    bias = min(bias, 2.0 * sqrt(measured));
     float depth = filtered.depth - bias - 4.0 * u_unit_roundoff;
     float blocked = block_bound(moments, depth, u_moment_bias);
     visibility = combine_visibility(receiver, layer, 1.0 - min(blocked / (1.0 - u_bleed_reduction), 1.0));

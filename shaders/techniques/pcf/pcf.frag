@@ -12,7 +12,7 @@
 
 layout(binding = kDepthMapUnit) uniform sampler2DArrayShadow depth_map_tx;
 layout(location = 0) uniform float u_spacing_texels;
-layout(location = 1) uniform float u_reach_texels;
+layout(location = 1) uniform float u_radius_texels;
 layout(location = 0) out float visibility;
 
 float test_texel(MapPoint point, int layer, vec2 centre) {
@@ -51,7 +51,7 @@ float test_tap(MapPoint point, int layer, vec2 tap) {
 float decide_kernel(MapPoint point, int layer) {
     vec2 first = first_texel(place_tap(point, ivec2(0)));
     vec2 last = first_texel(place_tap(point, ivec2(KERNEL - 1))) + float(BILINEAR);
-    return decide_taps(point, layer, first, last, u_reach_texels);
+    return decide_taps(point, layer, first, last, u_radius_texels);
 }
 #endif
 

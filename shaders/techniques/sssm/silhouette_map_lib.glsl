@@ -4,7 +4,7 @@
 
 // A cell of the silhouette map: the square between four texel centres of the depth map. It holds one point; spokes from
 // there to the points of the four neighbouring cells cut it into four parts, one to each corner's depth test.
-// Based on: [Sen03] as told in [Kenzel13] 2.2; the rule for parts of any shape is derived.
+// Based on: [Sen03] as described in [Kenzel13] 2.2; the rule for parts of any shape is derived.
 // Everything is in texels, about the cell's lower left corner.
 
 float cross_2d(vec2 a, vec2 b) { return a.x * b.y - a.y * b.x; }
