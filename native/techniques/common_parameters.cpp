@@ -23,8 +23,4 @@ TechniqueNeeds map_needs_with_margin(const ParameterValues& values, int margin_t
     return needs;
 }
 
-std::vector<LightKind> all_light_kinds() { return TechniqueDescriptor().lights; }
-
-std::vector<OutputSpec> visibility_output() { return TechniqueDescriptor().outputs; }
-
 }  // namespace shadow_layers

@@ -8,8 +8,6 @@ namespace shadow_layers {
 
 /// Parameters that techniques built on a depth map share.
 ParameterSpec map_size_parameter();
-std::vector<LightKind> all_light_kinds();
-std::vector<OutputSpec> visibility_output();
 
 /// Texels that 2 x 2 lookups may reach over the rim of a view. sm, pcf with one tap and edsm ask for the same border,
 /// so that they share views and depth maps.

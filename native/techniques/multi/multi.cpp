@@ -62,34 +62,35 @@ ParameterSpec technique_parameter() {
 }  // namespace
 
 TechniqueDescriptor describe_multi() {
-    TechniqueDescriptor d;
-    d.id = "multi";
-    d.label = "Multi-Sample";
-    d.summary = "Soft shadows of the light's own shape: the mean of hard shadows from many positions on it";
-    d.reference = "Kenzel13, section 1.1.1";
-    d.parameters = {
-        map_size_parameter(),
-        int_parameter("positions", "Positions", 16)
-            .range(1, kMostLightSamples)
-            .help("Points on the light's shape, each with maps of its own; 1 is the hard shadow of its centre"),
-        light_pattern_parameter("pattern", "Pattern"),
-        technique_parameter(),
+    return {
+        .id = "multi",
+        .label = "Multi-Sample",
+        .summary = "Soft shadows of the light's own shape: the mean of hard shadows from many positions on it",
+        .reference = "Kenzel13, section 1.1.1",
+        .limits = "As many grey levels as positions; the time grows with them",
+        .parameters =
+            {
+                map_size_parameter(),
+                int_parameter("positions", "Positions", 16)
+                    .range(1, kMostLightSamples)
+                    .help("Points on the light's shape, each with maps of its own; 1 is the hard shadow of its centre"),
+                light_pattern_parameter("pattern", "Pattern"),
+                technique_parameter(),
+            },
+        .light_size = LightSize::Followed,
+        .needs =
+            [](const ParameterValues& values) {
+                TechniqueNeeds needs = find_inner_needs(values.get_enum("technique"), inner_values(values));
+                needs.light_samples = int(values.get_int("positions"));
+                needs.light_pattern = read_light_pattern(values, "pattern");
+                return needs;
+            },
+        .truth = [](const ParameterValues&) { return TruthSpec{TruthKind::Soft}; },
+        .check =
+            [](const ParameterValues& values) {
+                resolve_parameters(find_technique_descriptor(values.get_enum("technique")), inner_values(values));
+            },
     };
-    d.outputs = visibility_output();
-    d.lights = all_light_kinds();
-    d.light_size = LightSize::Followed;
-    d.limits = "As many grey levels as positions; the time grows with them";
-    d.needs = [](const ParameterValues& values) {
-        TechniqueNeeds needs = find_inner_needs(values.get_enum("technique"), inner_values(values));
-        needs.light_samples = int(values.get_int("positions"));
-        needs.light_pattern = read_light_pattern(values, "pattern");
-        return needs;
-    };
-    d.truth = [](const ParameterValues&) { return TruthSpec{TruthKind::Soft}; };
-    d.check = [](const ParameterValues& values) {
-        resolve_parameters(find_technique_descriptor(values.get_enum("technique")), inner_values(values));
-    };
-    return d;
 }
 
 std::unique_ptr<Technique> make_multi() { return std::make_unique<Multi>(); }

@@ -148,28 +148,27 @@ ParameterSpec int_parameter(std::string id, std::string label, std::string unit,
 }  // namespace
 
 TechniqueDescriptor describe_probe() {
-    TechniqueDescriptor d;
-    d.id = "probe";
-    d.label = "Probe";
-    d.summary = "Uses every feature of the technique interface; for tests only";
-    d.reference = "Williams78";
-    d.parameters = {map_size_parameter(),
-                    int_parameter("blur", "Blur", "px", "Radius of the box filter over the picture", 0, 16, 2)};
-    d.outputs = visibility_output();
-    d.outputs.push_back({"merged", "Merged", 1, "All views merged, before the filter"});
-    d.outputs.push_back({"contrast", "Contrast", 1, "Range of the merged picture over a pixel and its neighbours"});
-    d.outputs.push_back({"supersampled", "Supersampled", 1, "Mean of four frames at sub-pixel offsets"});
-    d.outputs.push_back({"normal", "Normal", 3, "The receiver's normal, world axes"});
-    d.lights = all_light_kinds();
-    d.light_size = LightSize::Followed;
-    d.limits = "It is not meant to look good";
-    d.test_only = true;
-    d.needs = [](const ParameterValues& values) {
-        TechniqueNeeds needs = map_needs(values);
-        needs.overscan_px = std::max(1, int(values.get_int("blur")));  // the contrast looks one pixel far
-        return needs;
+    return {
+        .id = "probe",
+        .label = "Probe",
+        .summary = "Uses every feature of the technique interface; for tests only",
+        .reference = "Williams78",
+        .limits = "It is not meant to look good",
+        .parameters = {map_size_parameter(),
+                       int_parameter("blur", "Blur", "px", "Radius of the box filter over the picture", 0, 16, 2)},
+        .outputs = {describe_visibility(),
+                    {"merged", "Merged", 1, "All views merged, before the filter"},
+                    {"contrast", "Contrast", 1, "Range of the merged picture over a pixel and its neighbours"},
+                    {"supersampled", "Supersampled", 1, "Mean of four frames at sub-pixel offsets"},
+                    {"normal", "Normal", 3, "The receiver's normal, world axes"}},
+        .test_only = true,
+        .needs =
+            [](const ParameterValues& values) {
+                TechniqueNeeds needs = map_needs(values);
+                needs.overscan_px = std::max(1, int(values.get_int("blur")));  // the contrast looks one pixel far
+                return needs;
+            },
     };
-    return d;
 }
 
 std::unique_ptr<Technique> make_probe() { return std::make_unique<Probe>(); }

@@ -34,31 +34,33 @@ public:
 }  // namespace
 
 TechniqueDescriptor describe_soft() {
-    TechniqueDescriptor d;
-    d.id = "soft";
-    d.label = "Exact Soft";
-    d.summary = "Exact soft shadows of the light's own shape, from fixed samples of it";
-    d.reference = "Sintorn08";
-    d.parameters = {
-        int_parameter("light_samples", "Light Samples", 64)
-            .range(1, kMostLightSamples)
-            .help("Points on the light's shape that each receiver asks; 1 is the hard shadow of its centre"),
-        enum_parameter("pattern", "Pattern", "fixed")
-            .help("Whether all pixels ask the same points")
-            .item("fixed", "Fixed", "The same for all pixels: few samples show as bands")
-            .item("rotated", "Rotated", "Sixteen patterns over each 4 x 4 pixels: few samples show as noise"),
+    return {
+        .id = "soft",
+        .label = "Exact Soft",
+        .summary = "Exact soft shadows of the light's own shape, from fixed samples of it",
+        .reference = "Sintorn08",
+        .limits = "Fine casters before a light as large as the scene cost time",
+        .parameters =
+            {
+                int_parameter("light_samples", "Light Samples", 64)
+                    .range(1, kMostLightSamples)
+                    .help("Points on the light's shape that each receiver asks; 1 is the hard shadow of its centre"),
+                enum_parameter("pattern", "Pattern", "fixed")
+                    .help("Whether all pixels ask the same points")
+                    .item("fixed", "Fixed", "The same for all pixels: few samples show as bands")
+                    .item("rotated", "Rotated", "Sixteen patterns over each 4 x 4 pixels: few samples show as noise"),
+            },
+        .light_size = LightSize::Followed,
+        .needs =
+            [](const ParameterValues& values) {
+                TechniqueNeeds needs;
+                needs.light_samples = int(values.get_int("light_samples"));
+                needs.light_pattern = LightPattern::Spiral;
+                needs.samples_itself = true;
+                return needs;
+            },
+        .truth = [](const ParameterValues&) { return TruthSpec{TruthKind::Soft}; },
     };
-    d.light_size = LightSize::Followed;
-    d.limits = "Fine casters before a light as large as the scene cost time";
-    d.needs = [](const ParameterValues& values) {
-        TechniqueNeeds needs;
-        needs.light_samples = int(values.get_int("light_samples"));
-        needs.light_pattern = LightPattern::Spiral;
-        needs.samples_itself = true;
-        return needs;
-    };
-    d.truth = [](const ParameterValues&) { return TruthSpec{TruthKind::Soft}; };
-    return d;
 }
 
 std::unique_ptr<Technique> make_soft() { return std::make_unique<Soft>(); }
