@@ -5,7 +5,7 @@
 #include <glm/glm.hpp>
 #include <vector>
 
-#include "frame/frame.h"
+#include "frame/receiver_source.h"
 #include "shadow_layers/scene.h"
 #include "shadow_layers/technique_descriptor.h"
 
@@ -58,15 +58,17 @@ struct ViewSettings {
     LightPattern pattern = LightPattern::Sequence;
 };
 
-/// `point`, a sample of the light, with views fitted to the receivers in `frame` that face the light, are in its cone
+/// `point`, a sample of the light, with views fitted to the `receivers` that face the light, are in its cone
 /// and in its receiver set, and to the casters that can reach them. The views of `previous` (may be null), the same
 /// sample made for another sample of the same pixels, are kept where they still cover the receivers, so that jittered
 /// frames share their maps. `threads` (may be null: one thread) does not change the result.
-LightSample fit_light_views(const Frame& frame, const Light& light, LightSample point, const ViewSettings& settings,
-                            const LightSample* previous = nullptr, ThreadPool* threads = nullptr);
+LightSample fit_light_views(const ReceiverSource& receivers, const Light& light, LightSample point,
+                            const ViewSettings& settings, const LightSample* previous = nullptr,
+                            ThreadPool* threads = nullptr);
 
 /// All samples of a light at once, with their views. `previous`: of another frame, in the same order.
-std::vector<LightSample> make_light_samples(const Frame& frame, const Light& light, const ViewSettings& settings,
+std::vector<LightSample> make_light_samples(const ReceiverSource& receivers, const Light& light,
+                                            const ViewSettings& settings,
                                             const std::vector<LightSample>* previous = nullptr,
                                             ThreadPool* threads = nullptr);
 
