@@ -60,6 +60,9 @@ struct Frame {
     std::array<glm::dvec3, 3> get_corners_rel(const PixelIds& triangle_ids) const;
 };
 
+/// Corners of a triangle in double, relative to `origin_ws`.
+std::array<glm::dvec3, 3> find_corners_rel(const Scene& scene, const glm::dvec3& origin_ws, const PixelIds& triangle);
+
 /// Frames of the same view at other sub-pixel places, for techniques that take many samples per pixel.
 class FrameSource {
 public:

@@ -7,9 +7,9 @@
 
 namespace shadow_layers {
 
-FacingRule::FacingRule(const Frame& frame, const Light& light, const LightSample& sample)
-    : frame_(frame), light_(light), centre_rel_(glm::dvec3(light.world_from_light[3]) - frame.origin_ws) {
-    const glm::dvec3 place = sample.position_ws - frame.origin_ws;
+FacingRule::FacingRule(const ReceiverSource& receivers, const Light& light, const LightSample& sample)
+    : receivers_(receivers), light_(light), centre_rel_(glm::dvec3(light.world_from_light[3]) - receivers.origin_ws) {
+    const glm::dvec3 place = sample.position_ws - receivers.origin_ws;
     source_.directional = sample.directional;
     source_.cone_cos = sample.cone_cos;
     source_.cone_sin = sample.cone_sin;
@@ -22,17 +22,18 @@ FacingRule::FacingRule(const Frame& frame, const Light& light, const LightSample
 
 double FacingRule::get_weight(std::size_t pixel) const {
     const glm::dvec3 to_light = get_to_light(pixel);
-    const double up = glm::dot(glm::dvec3(frame_.normals[pixel]), to_light);
+    const double up = glm::dot(glm::dvec3(receivers_.normals[pixel]), to_light);
     const glm::dvec3 axis(source_.axes[2][0], source_.axes[2][1], source_.axes[2][2]);
-    const double centre_apart = glm::distance(centre_rel_, glm::dvec3(frame_.positions_rel[pixel]));
+    const double centre_apart = glm::distance(centre_rel_, glm::dvec3(receivers_.positions_rel[pixel]));
     return find_light_weight(up, glm::length(to_light), light_.kind == LightKind::Area, glm::dot(axis, to_light),
                              centre_apart);
 }
 
-void fill_unoccluded_visibility(const Frame& frame, const Light& light, std::span<const LightSample> samples,
-                                std::span<float> visibility, ThreadPool* threads) {
+void fill_unoccluded_visibility(const ReceiverSource& receivers, const Light& light,
+                                std::span<const LightSample> samples, std::span<float> visibility,
+                                ThreadPool* threads) {
     std::vector<FacingRule> rules;
-    for (const LightSample& sample : samples) rules.emplace_back(frame, light, sample);
+    for (const LightSample& sample : samples) rules.emplace_back(receivers, light, sample);
     const auto fill = [&](std::size_t begin, std::size_t end) {
         for (std::size_t pixel = begin; pixel < end; ++pixel) {
             float sum = 0;
@@ -46,9 +47,9 @@ void fill_unoccluded_visibility(const Frame& frame, const Light& light, std::spa
         }
     };
     if (threads)
-        threads->parallel_for(frame.pixel_count(), 1 << 14, fill);
+        threads->parallel_for(receivers.count(), 1 << 14, fill);
     else
-        fill(0, frame.pixel_count());
+        fill(0, receivers.count());
 }
 
 }  // namespace shadow_layers

@@ -110,8 +110,8 @@ void set_depth_range(const Bounds& receivers, double nearest_caster, double marg
 
 class ViewMaker {
 public:
-    ViewMaker(const Frame& frame, const Light& light, const ViewSettings& settings, ThreadPool* threads)
-        : frame_(frame), scene_(*frame.scene), light_(light), settings_(settings), threads_(threads) {}
+    ViewMaker(const ReceiverSource& receivers, const Light& light, const ViewSettings& settings, ThreadPool* threads)
+        : receivers_(receivers), scene_(*receivers.scene), light_(light), settings_(settings), threads_(threads) {}
 
     void add_views(LightSample& sample, const LightSample* previous) const {
         if (light_.kind == LightKind::Sun || (light_.kind == LightKind::Spot && light_.spot_angle <= kWidestCone)) {
@@ -121,7 +121,7 @@ public:
             sample.choice = make_view_choice(kOneView, sample.views);
             return;
         }
-        const ReceiverScan scan(frame_, light_, sample, sample.position_ws, threads_);
+        const ReceiverScan scan(receivers_, light_, sample, sample.position_ws, threads_);
         const auto receivers = scan.measure_faces(sample.axes_ws);
         for (int face = 0; face < 6; ++face) {
             if (receivers[face].is_empty()) continue;
@@ -194,7 +194,7 @@ private:
         const Bounds bounds = compute_scene_bounds(scene_);
         if (bounds.is_empty()) return seed;
         seed.origin_ws = sample.directional ? 0.5 * (bounds.min + bounds.max) : sample.position_ws;
-        const ReceiverScan scan(frame_, light_, sample, seed.origin_ws, threads_);
+        const ReceiverScan scan(receivers_, light_, sample, seed.origin_ws, threads_);
         if (kept)
             seed.axes = glm::transpose(glm::dmat3(kept->ls_from_ws));
         else
@@ -261,7 +261,7 @@ private:
         return view;
     }
 
-    const Frame& frame_;
+    const ReceiverSource& receivers_;
     const Scene& scene_;
     const Light& light_;
     const ViewSettings& settings_;
@@ -278,23 +278,24 @@ ViewChoice make_view_choice(int kind, const std::vector<LightView>& views) {
     return choice;
 }
 
-LightSample fit_light_views(const Frame& frame, const Light& light, LightSample point, const ViewSettings& settings,
-                            const LightSample* previous, ThreadPool* threads) {
+LightSample fit_light_views(const ReceiverSource& receivers, const Light& light, LightSample point,
+                            const ViewSettings& settings, const LightSample* previous, ThreadPool* threads) {
     point.views.clear();
     point.choice = LightSample().choice;
     if (settings.map_size <= 0) return point;
-    point.scene = frame.scene;
-    const bool known = previous && previous->scene == frame.scene && point.is_same_place(*previous);
-    ViewMaker(frame, light, settings, threads).add_views(point, known ? previous : nullptr);
+    point.scene = receivers.scene;
+    const bool known = previous && previous->scene == receivers.scene && point.is_same_place(*previous);
+    ViewMaker(receivers, light, settings, threads).add_views(point, known ? previous : nullptr);
     return point;
 }
 
-std::vector<LightSample> make_light_samples(const Frame& frame, const Light& light, const ViewSettings& settings,
-                                            const std::vector<LightSample>* previous, ThreadPool* threads) {
+std::vector<LightSample> make_light_samples(const ReceiverSource& receivers, const Light& light,
+                                            const ViewSettings& settings, const std::vector<LightSample>* previous,
+                                            ThreadPool* threads) {
     std::vector<LightSample> samples = sample_light_shape(light, settings.sample_count, settings.pattern);
     for (std::size_t i = 0; i < samples.size(); ++i) {
         const LightSample* kept = previous && i < previous->size() ? &(*previous)[i] : nullptr;
-        samples[i] = fit_light_views(frame, light, std::move(samples[i]), settings, kept, threads);
+        samples[i] = fit_light_views(receivers, light, std::move(samples[i]), settings, kept, threads);
     }
     return samples;
 }

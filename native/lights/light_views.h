@@ -6,7 +6,7 @@
 #include <memory>
 #include <vector>
 
-#include "frame/frame.h"
+#include "frame/receiver_source.h"
 #include "shadow_layers/scene.h"
 #include "shadow_layers/technique_descriptor.h"
 #include "shared/view_choice.h"
@@ -43,7 +43,7 @@ struct LightSample {
     double cone_cos = -2;             ///< spot: cos of half the cone; area: 0 (front half-space); else -2 (everything)
     double cone_sin = 0;              ///< sine of the same angle: that of a far, narrow cone is not in its cosine
     std::vector<LightView> views;     ///< only those with receivers; empty: no receiver faces this light
-    std::shared_ptr<const Scene> scene;  ///< that the views were fitted to; null where none were asked for
+    const Scene* scene = nullptr;  ///< that the views were fitted to, for comparison alone; null: none were asked for
     /// Which of them serves a receiver. All that look up a view ask choose_view (shaders/shared/view_choice.h).
     ViewChoice choice = {glm::ivec4(kOneView, 0, 0, 0), {glm::ivec4(kNoView), glm::ivec4(kNoView)}};
 
@@ -65,15 +65,17 @@ struct ViewSettings {
     LightPattern pattern = LightPattern::Sequence;
 };
 
-/// `point`, a sample of the light, with views fitted to the receivers in `frame` that face the light, are in its cone
+/// `point`, a sample of the light, with views fitted to the `receivers` that face the light, are in its cone
 /// and in its receiver set, and to the casters that can reach them. The views of `previous` (may be null), the same
 /// sample made for another sample of the same pixels, are kept where they are of the same scene and still cover the
 /// receivers, so that jittered frames share their maps. `threads` (may be null: one thread) does not change the result.
-LightSample fit_light_views(const Frame& frame, const Light& light, LightSample point, const ViewSettings& settings,
-                            const LightSample* previous = nullptr, ThreadPool* threads = nullptr);
+LightSample fit_light_views(const ReceiverSource& receivers, const Light& light, LightSample point,
+                            const ViewSettings& settings, const LightSample* previous = nullptr,
+                            ThreadPool* threads = nullptr);
 
 /// All samples of a light at once, with their views. `previous`: of another frame, in the same order.
-std::vector<LightSample> make_light_samples(const Frame& frame, const Light& light, const ViewSettings& settings,
+std::vector<LightSample> make_light_samples(const ReceiverSource& receivers, const Light& light,
+                                            const ViewSettings& settings,
                                             const std::vector<LightSample>* previous = nullptr,
                                             ThreadPool* threads = nullptr);
 

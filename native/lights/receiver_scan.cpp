@@ -40,28 +40,28 @@ ViewAxes compute_face_axes(const glm::dmat3& light_axes, int face) {
     return {glm::cross(y, z), y, z};
 }
 
-ReceiverScan::ReceiverScan(const Frame& frame, const Light& light, const LightSample& position,
+ReceiverScan::ReceiverScan(const ReceiverSource& receivers, const Light& light, const LightSample& sample,
                            const glm::dvec3& origin_ws, ThreadPool* threads)
-    : frame_(frame),
-      rule_(frame, light, position),
-      perspective_(!position.directional),
-      frame_from_origin_(frame.origin_ws - origin_ws),
+    : receivers_(receivers),
+      rule_(receivers, light, sample),
+      perspective_(!sample.directional),
+      source_from_origin_(receivers.origin_ws - origin_ws),
       threads_(threads) {}
 
 bool ReceiverScan::find_receiver(std::size_t pixel, glm::dvec3& from_origin) const {
-    if (!frame_.coverage[pixel] || frame_.ids[pixel].instance == kNoId) return false;
+    if (!receivers_.is_receiver(pixel)) return false;
     const glm::dvec3 to_light = rule_.get_to_light(pixel);
-    const double along = glm::dot(glm::dvec3(frame_.normals[pixel]), to_light);
+    const double along = glm::dot(glm::dvec3(receivers_.normals[pixel]), to_light);
     if (!(along > 0) && !(along * along < kFacingSlack * kFacingSlack * glm::dot(to_light, to_light))) return false;
     if (!rule_.is_in_cone(to_light, kConeSlack)) return false;
-    if (!rule_.is_linked(frame_.ids[pixel].instance)) return false;
-    from_origin = frame_from_origin_ + glm::dvec3(frame_.positions_rel[pixel]);
+    if (!rule_.is_linked(receivers_.ids[pixel].instance)) return false;
+    from_origin = source_from_origin_ + glm::dvec3(receivers_.positions_rel[pixel]);
     return true;
 }
 
 template <class Result, class Add>
 Result ReceiverScan::collect(std::size_t stride, const Result& empty, const Add& add) const {
-    const std::size_t count = frame_.pixel_count();
+    const std::size_t count = receivers_.count();
     std::vector<Result> parts((count + kPixelBlock - 1) / kPixelBlock, empty);
     const auto scan = [&](std::size_t begin, std::size_t end) {
         for (std::size_t first = begin; first < end; first += kPixelBlock) {

@@ -27,20 +27,20 @@ constexpr std::size_t kOpenPairs = 1 << 8;
 
 class ViewDraw {
 public:
-    ViewDraw(Engine& engine, const Frame& frame, const LightView& view, const OcclusionRule& rule,
+    ViewDraw(Engine& engine, const ReceiverSource& source, const LightView& view, const OcclusionRule& rule,
              ReceiverTiles& receivers, std::vector<std::uint8_t>& visible)
         : engine_(engine),
-          frame_(frame),
+          source_(source),
           rule_(rule),
           visible_(visible),
-          casters_(*frame.scene, view),
+          casters_(*source.scene, view),
           // Places are off by this much at most; a tile's own bound is used where it counts.
           grid_{receivers.side, 1e-9 + double(receivers.largest_place_error), receivers.tiles.data()},
           tiles_{receivers.side, receivers.half_size, receivers.largest_place_error, receivers.tiles.data(),
                  receivers.blocks} {}
 
     void draw() {
-        const std::vector<CasterCluster> clusters = list_clusters(engine_, *frame_.scene, casters_, grid_);
+        const std::vector<CasterCluster> clusters = list_clusters(engine_, *source_.scene, casters_, grid_);
         std::size_t at_once = kFirstClusters;
         for (std::size_t first = 0; first < clusters.size();) {
             engine_.check_cancelled();
@@ -101,14 +101,14 @@ private:
             const std::atomic_ref<std::uint8_t> visible(self.visible_[pair.pixel]);
             if (!visible.load(std::memory_order_relaxed)) continue;
             const glm::dvec3 receiver = self.rule_.find_receiver(pair.pixel);
-            if (self.rule_.is_blocked(receiver, self.frame_.ids[pair.pixel], {pair.instance, pair.triangle}))
+            if (self.rule_.is_blocked(receiver, self.source_.ids[pair.pixel], {pair.instance, pair.triangle}))
                 visible.store(0, std::memory_order_relaxed);
         }
         answers.open_count = 0;
     }
 
     Engine& engine_;
-    const Frame& frame_;
+    const ReceiverSource& source_;
     const OcclusionRule& rule_;
     std::vector<std::uint8_t>& visible_;
     const CasterRow casters_;
@@ -122,19 +122,20 @@ private:
 
 }  // namespace
 
-const std::vector<std::uint8_t>& ExactVisibility::compute(Engine& engine, const Frame& frame, const Light& light,
-                                                          const LightSample& position, int most_tiles) {
+const std::vector<std::uint8_t>& ExactVisibility::compute(Engine& engine, const ReceiverSource& receivers,
+                                                          const Light& light, const LightSample& sample,
+                                                          int most_tiles) {
     {
         const auto timer = engine.time_stage("receiver_tiles");
-        sorter_.sort(frame, light, position, most_tiles, engine.threads());
+        sorter_.sort(receivers, light, sample, most_tiles, engine.threads());
         engine.count("list_bytes", std::int64_t(sorter_.byte_size()));
     }
     const auto timer = engine.time_stage("caster_tiles");
-    const OcclusionRule rule(frame, position);
-    for (std::size_t view = 0; view < position.views.size(); ++view) {
-        ReceiverTiles& receivers = sorter_.views()[view];
-        engine.count("receivers", std::int64_t(receivers.receiver_count));
-        ViewDraw(engine, frame, position.views[view], rule, receivers, sorter_.visible()).draw();
+    const OcclusionRule rule(receivers, sample);
+    for (std::size_t view = 0; view < sample.views.size(); ++view) {
+        ReceiverTiles& tiles = sorter_.views()[view];
+        engine.count("receivers", std::int64_t(tiles.receiver_count));
+        ViewDraw(engine, receivers, sample.views[view], rule, tiles, sorter_.visible()).draw();
     }
     return sorter_.visible();
 }

@@ -37,26 +37,10 @@ bool is_neighbour_in_plane(const std::array<glm::dvec3, 3>& own, const std::arra
 
 }  // namespace
 
-OcclusionRule::OcclusionRule(const Frame& frame, const LightSample& sample)
-    : frame_(frame), rays_(frame.camera, frame.width, frame.height) {
+OcclusionRule::OcclusionRule(const ReceiverSource& receivers, const LightSample& sample) : receivers_(receivers) {
     sample_.directional = sample.directional;
     sample_.position_ws = sample.position_ws;
     sample_.to_light_ws = sample.to_light_ws;
-}
-
-glm::dvec3 OcclusionRule::find_receiver(std::size_t pixel) const {
-    const double x = double(pixel % std::size_t(frame_.width)) + 0.5;
-    const double y = double(pixel / std::size_t(frame_.width)) + 0.5;
-    const glm::dvec3 origin = rays_.origin_at(x, y), direction = rays_.direction_at(x, y);
-    const std::array<glm::dvec3, 3> corners = frame_.get_corners_rel(frame_.ids[pixel]);
-    const glm::dvec3 normal = glm::cross(corners[1] - corners[0], corners[2] - corners[0]);
-    const glm::dvec3 rounded(frame_.positions_rel[pixel]);
-    const double along = glm::dot(normal, direction);
-    if (along == 0) return rounded;
-    const glm::dvec3 found = origin + direction * (glm::dot(normal, corners[0] - origin) / along);
-    // The frame holds rays that just miss an edge-on face within the face's depths; so does this.
-    const double off = glm::length(found - rounded);
-    return off <= 1e-5 * (glm::length(rounded) + glm::length(origin)) ? found : rounded;
 }
 
 bool OcclusionRule::is_blocked(const glm::dvec3& receiver_rel, const PixelIds& receiver, const PixelIds& caster) const {
@@ -66,9 +50,10 @@ bool OcclusionRule::is_blocked(const glm::dvec3& receiver_rel, const PixelIds& r
 bool OcclusionRule::is_blocked(const glm::dvec3& receiver_rel, const PixelIds& receiver, const PixelIds& caster,
                                const LightSample& sample) const {
     if (receiver.instance == caster.instance && receiver.triangle == caster.triangle) return false;
-    const std::array<glm::dvec3, 3> corners = frame_.get_corners_rel(caster);
+    const std::array<glm::dvec3, 3> corners = receivers_.get_corners_rel(caster);
     const bool directional = sample.directional;
-    const glm::dvec3 to_light = directional ? sample.to_light_ws : sample.position_ws - frame_.origin_ws - receiver_rel;
+    const glm::dvec3 to_light =
+        directional ? sample.to_light_ws : sample.position_ws - receivers_.origin_ws - receiver_rel;
     const glm::dvec3 a = corners[0] - receiver_rel, b = corners[1] - receiver_rel, c = corners[2] - receiver_rel;
     const double u = compute_edge_volume(to_light, b, c), v = compute_edge_volume(to_light, c, a),
                  w = compute_edge_volume(to_light, a, b);
@@ -79,17 +64,17 @@ bool OcclusionRule::is_blocked(const glm::dvec3& receiver_rel, const PixelIds& r
     if (along == 0) return false;
     const double distance = glm::dot(a, normal) / along;
     if (!(distance > 0) || (!directional && !(distance < 1))) return false;
-    return !is_neighbour_in_plane(frame_.get_corners_rel(receiver), corners);
+    return receiver.instance == kNoId || !is_neighbour_in_plane(receivers_.get_corners_rel(receiver), corners);
 }
 
 bool OcclusionRule::is_own_surface(const PixelIds& receiver, const PixelIds& caster) const {
     if (receiver.instance == caster.instance && receiver.triangle == caster.triangle) return true;
-    return is_neighbour_in_plane(frame_.get_corners_rel(receiver), frame_.get_corners_rel(caster));
+    return is_neighbour_in_plane(receivers_.get_corners_rel(receiver), receivers_.get_corners_rel(caster));
 }
 
 double OcclusionRule::find_corner_rounding(const PixelIds& ids) const {
-    const Instance& instance = frame_.scene->instances[ids.instance];
-    const Mesh& mesh = *frame_.scene->meshes[instance.mesh];
+    const Instance& instance = receivers_.scene->instances[ids.instance];
+    const Mesh& mesh = *receivers_.scene->meshes[instance.mesh];
     const glm::uvec3& triangle = mesh.triangles[ids.triangle];
     double largest = 0;
     for (int k = 0; k < 3; ++k) {

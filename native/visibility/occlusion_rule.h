@@ -4,8 +4,7 @@
 
 #include <glm/glm.hpp>
 
-#include "frame/camera_window.h"
-#include "frame/frame.h"
+#include "frame/receiver_source.h"
 #include "lights/light_views.h"
 
 namespace shadow_layers {
@@ -23,13 +22,13 @@ inline constexpr double kFlatTolerance = 1e-6;
 /// would. No bias: everything else that lies strictly between receiver and light does.
 class OcclusionRule {
 public:
-    /// `frame` must outlive the rule.
-    OcclusionRule(const Frame& frame, const LightSample& sample);
+    /// What `receivers` is made of must outlive the rule.
+    OcclusionRule(const ReceiverSource& receivers, const LightSample& sample);
 
-    /// Where the pixel centre's ray meets the plane of its triangle, relative to the frame's origin.
-    glm::dvec3 find_receiver(std::size_t pixel) const;
+    /// Where receiver i is exactly, relative to the source's origin.
+    glm::dvec3 find_receiver(std::size_t i) const { return receivers_.find_place(i); }
 
-    /// `receiver_rel` lies on triangle `receiver`.
+    /// `receiver_rel` lies on triangle `receiver`; a free point (kNoId) on none, so that all triangles may shadow it.
     bool is_blocked(const glm::dvec3& receiver_rel, const PixelIds& receiver, const PixelIds& caster) const;
     /// From another sample of the light than the rule was made for.
     bool is_blocked(const glm::dvec3& receiver_rel, const PixelIds& receiver, const PixelIds& caster,
@@ -42,8 +41,7 @@ public:
     double find_corner_rounding(const PixelIds& ids) const;
 
 private:
-    const Frame& frame_;
-    RayBasis rays_;
+    ReceiverSource receivers_;
     LightSample sample_;  ///< its place alone
 };
 

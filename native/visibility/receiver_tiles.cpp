@@ -41,27 +41,27 @@ void make_room(std::vector<T>& values, std::size_t count) {
 
 }  // namespace
 
-/// Works on all views of a position at once.
+/// Works on all views of a light sample at once.
 class ReceiverSorter::Run {
 public:
-    Run(ReceiverSorter& sorter, const Frame& frame, const Light& light, const LightSample& position, int most_tiles,
-        ThreadPool& threads)
-        : sorter_(sorter), frame_(frame), position_(position), rule_(frame, light, position), threads_(threads) {
-        const glm::dmat4 ws_from_rel = glm::translate(glm::dmat4(1.0), frame.origin_ws);
-        sorter.views_.resize(position.views.size());
-        for (std::size_t k = 0; k < position.views.size(); ++k) {
+    Run(ReceiverSorter& sorter, const ReceiverSource& source, const Light& light, const LightSample& sample,
+        int most_tiles, ThreadPool& threads)
+        : sorter_(sorter), source_(source), sample_(sample), rule_(source, light, sample), threads_(threads) {
+        const glm::dmat4 ws_from_rel = glm::translate(glm::dmat4(1.0), source.origin_ws);
+        sorter.views_.resize(sample.views.size());
+        for (std::size_t k = 0; k < sample.views.size(); ++k) {
             ReceiverTiles& tiles = sorter.views_[k];
-            tiles.side = std::clamp(most_tiles, 1, choose_side(frame.pixel_count() / position.views.size()));
+            tiles.side = std::clamp(most_tiles, 1, choose_side(source.count() / sample.views.size()));
             tiles.half_size = 1.0 / tiles.side;
             tiles.tiles.resize(std::size_t(tiles.side) * std::size_t(tiles.side));
-            rows_.push_back(glm::transpose(position.views[k].lc_from_ws * ws_from_rel));
+            rows_.push_back(glm::transpose(sample.views[k].lc_from_ws * ws_from_rel));
             projections_.push_back(make_projection(rows_.back(), tiles.side));
             first_tile_.push_back(std::uint32_t(tile_count_));
             tile_count_ += tiles.tiles.size();
         }
         part_count_ = std::min(std::size_t(kPartsPerThread * threads.thread_count()), kMostParts);
-        sorter.visible_.resize(frame.pixel_count());
-        make_room(sorter.places_, frame.pixel_count());
+        sorter.visible_.resize(source.count());
+        make_room(sorter.places_, source.count());
         parts_.resize(part_count_);
         sorter.offsets_.assign(part_count_ * tile_count_, 0);
     }
@@ -73,7 +73,7 @@ public:
         double farthest = 0;
         for (const Part& part : parts_) farthest = std::max(farthest, part.farthest);
         for (std::size_t view = 0; view < sorter_.views_.size(); ++view)
-            bound_tiles(sorter_.views_[view], position_.views[view], rows_[view], farthest, threads_);
+            bound_tiles(sorter_.views_[view], sample_.views[view], rows_[view], farthest, threads_);
     }
 
 private:
@@ -87,7 +87,7 @@ private:
 
     template <class Body>
     void for_each_part(const Body& body) {
-        const std::size_t count = frame_.pixel_count();
+        const std::size_t count = source_.count();
         threads_.parallel_for(part_count_, 1, [&](std::size_t part, std::size_t) {
             body(part, part * count / part_count_, (part + 1) * count / part_count_);
         });
@@ -123,7 +123,7 @@ private:
 
     void find_facing(std::size_t first, int count, ReceiverLanes& lanes) const {
         static_assert(sizeof(glm::vec3) == 3 * sizeof(float));
-        const float *positions = &frame_.positions_rel[first].x, *normals = &frame_.normals[first].x;
+        const float *positions = &source_.positions_rel[first].x, *normals = &source_.normals[first].x;
         float padded[2][3 * ReceiverLanes::kCount] = {};
         if (count < ReceiverLanes::kCount) {  // the picture's last pixels: nothing may be read behind them
             std::copy_n(positions, 3 * count, padded[0]);
@@ -134,12 +134,12 @@ private:
     }
 
     int find_view(std::size_t pixel) const {
-        return choose_view(position_.choice, glm::transpose(position_.axes_ws) * -rule_.get_to_light(pixel));
+        return choose_view(sample_.choice, glm::transpose(sample_.axes_ws) * -rule_.get_to_light(pixel));
     }
 
     /// Of the lanes in `lit`, those that fall into this view.
     std::uint32_t keep_view(std::size_t first, std::uint32_t lit, int view) const {
-        if (position_.choice.kind.x == kOneView) return lit;
+        if (sample_.choice.kind.x == kOneView) return lit;
         std::uint32_t here = 0;
         for (std::uint32_t left = lit; left != 0; left &= left - 1) {
             const int i = std::countr_zero(left);
@@ -197,7 +197,7 @@ private:
     void store_part(std::size_t part, std::size_t begin) {
         const std::uint32_t* offsets = sorter_.offsets_.data() + part * tile_count_;
         const Place* places = sorter_.places_.data();
-        const PixelIds* ids = frame_.ids.data();
+        const PixelIds* ids = source_.ids.data();
         ReceiverBlock* blocks = sorter_.blocks_.data();
         for (std::size_t k = begin; k < parts_[part].end; ++k) {
             const Place& place = places[k];
@@ -213,8 +213,8 @@ private:
     }
 
     ReceiverSorter& sorter_;
-    const Frame& frame_;
-    const LightSample& position_;
+    const ReceiverSource& source_;
+    const LightSample& sample_;
     const FacingRule rule_;
     ThreadPool& threads_;
     const tile_kernel::Build& build_ = tile_kernel::choose_build();
@@ -230,9 +230,9 @@ private:
     std::vector<Part> parts_;
 };
 
-void ReceiverSorter::sort(const Frame& frame, const Light& light, const LightSample& position, int most_tiles,
-                          ThreadPool& threads) {
-    Run(*this, frame, light, position, most_tiles, threads).sort();
+void ReceiverSorter::sort(const ReceiverSource& receivers, const Light& light, const LightSample& sample,
+                          int most_tiles, ThreadPool& threads) {
+    Run(*this, receivers, light, sample, most_tiles, threads).sort();
 }
 
 std::size_t ReceiverSorter::byte_size() const {

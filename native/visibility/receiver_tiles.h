@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "frame/frame.h"
+#include "frame/receiver_source.h"
 #include "lights/light_views.h"
 #include "visibility/tile_kernel.h"
 
@@ -31,12 +31,13 @@ class ReceiverSorter {
 public:
     /// Takes the receivers whose visibility the casters decide, each to the view that holds it; receivers that no view
     /// holds are left out. There are at most `most_tiles` tiles per side. Within a tile they lie in the order of
-    /// pixels.
-    void sort(const Frame& frame, const Light& light, const LightSample& position, int most_tiles, ThreadPool& threads);
+    /// the source.
+    void sort(const ReceiverSource& receivers, const Light& light, const LightSample& sample, int most_tiles,
+              ThreadPool& threads);
 
     /// In the order of LightSample::views.
     std::vector<ReceiverTiles>& views() { return views_; }
-    /// Per pixel: 0 on faces turned away, else 1 until a caster says otherwise.
+    /// Per receiver: 0 on faces turned away, else 1 until a caster says otherwise.
     std::vector<std::uint8_t>& visible() { return visible_; }
     std::size_t byte_size() const;
 

@@ -370,7 +370,7 @@ INSTANTIATE_TEST_SUITE_P(AllTechniques, Contract, ::testing::ValuesIn(all_cases(
 // Soft shadows as an option of every technique for hard ones, and `multi` as that option with a name.
 TEST_P(Contract, LightSamplesAreMultiWithThisTechnique) {
     const bool offers = std::any_of(technique().parameters.begin(), technique().parameters.end(),
-                                    [](const ParameterSpec& spec) { return spec.id == "light_samples"; });
+                                    [](const ParameterSpec& spec) { return spec.id == "light_pattern"; });
     EXPECT_EQ(offers, find_truth(technique(), resolve_parameters(technique(), {})).kind == TruthKind::Hard);
     if (!offers || technique().test_only) GTEST_SKIP() << "no option, or not offered to multi";
     SceneView view = random_scene(6, 64, 36);

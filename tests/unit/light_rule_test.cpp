@@ -108,8 +108,11 @@ TEST(LightRule, AgreesWithTheProductsRuleButForTies) {
                                                               : found.may_be_apart)
                         << int(kind) << ", pixel " << pixel;
                     if (its != Standing::Facing) continue;
-                    EXPECT_NEAR(rule.compute_weight(*receiver), product.get_weight(pixel),
-                                rule.find_weight_error(*receiver));
+                    // The product's is in units of a light at the shape's centre.
+                    const glm::dvec3 apart = glm::dvec3(light.world_from_light[3]) - receiver->place_ws;
+                    const double unit = kind == LightKind::Area ? glm::dot(apart, apart) : 1;
+                    EXPECT_NEAR(unit * rule.compute_weight(*receiver), product.get_weight(pixel),
+                                unit * rule.find_weight_error(*receiver));
                 }
             }
         }
