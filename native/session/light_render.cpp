@@ -16,7 +16,7 @@ LightTask make_task(const LightJob& job, const LightSample& sample) {
 
 /// Can the technique find a shadow there? Not without a receiver that is turned to the light.
 bool has_receivers(const LightJob& job, const LightSample& sample) {
-    return job.needs.map_size == 0 || !sample.views.empty();
+    return job.needs.map_size == 0 || job.needs.sees_moved_frames || !sample.views.empty();
 }
 
 /// The layer without any shadow. Channels other than the visibility are 0 then.

@@ -165,11 +165,11 @@ TEST_F(GLObjects, ShadersTakeAnyNumberOfViews) {
     ShaderFolder folder;
     fs::copy(SHADOW_LAYERS_SHADER_DIR, folder.path(),
              fs::copy_options::recursive | fs::copy_options::overwrite_existing);
-    std::ifstream stream(folder.path() / "shared/light_params.h");
+    std::ifstream stream(folder.path() / "shared/view_choice.h");
     std::string text{std::istreambuf_iterator<char>(stream), {}};
     const std::string count = "kMaxViews = 6;";
     ASSERT_NE(text.find(count), std::string::npos);
-    folder.write("shared/light_params.h", text.replace(text.find(count), count.size(), "kMaxViews = 9;"));
+    folder.write("shared/view_choice.h", text.replace(text.find(count), count.size(), "kMaxViews = 9;"));
     const gl::ShaderSource source(folder.path());
     const gl::Defines defines{{"MIPMAPS", "1"}, {"ANISOTROPY", "4"}, {"FIXED_POINT", "0"}, {"COMPONENTS", "4"},
                               {"KERNEL", "3"},  {"BILINEAR", "1"},   {"EARLY_OUT", "1"},   {"SOFT", "1"}};

@@ -38,7 +38,8 @@ struct TechniqueNeeds {
     int overscan_px = 0;        ///< extra frame pixels on each side of the region (camera-space stages)
     int light_samples = 1;      ///< points sampled on the light's shape; 1 = its centre
     LightPattern light_pattern = LightPattern::Sequence;
-    bool samples_itself = false;  ///< works all samples of the light at once: it is given the centre alone
+    bool sees_moved_frames = false;  ///< asks for other frames about the pixel's centre, which may see other receivers
+    bool samples_itself = false;     ///< works all samples of the light at once: it is given the centre alone
 
     /// Samples that the technique is called for, one by one.
     int separate_samples() const { return samples_itself ? 1 : light_samples; }

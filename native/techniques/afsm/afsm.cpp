@@ -94,7 +94,12 @@ TechniqueDescriptor describe_afsm() {
                            .range(1, 64)
                            .unit("per pixel")
                            .help("Places in the pixel that are tested and averaged; 1 is its centre")},
-        .needs = map_needs,
+        .needs =
+            [](const ParameterValues& values) {
+                TechniqueNeeds needs = map_needs(values);
+                needs.sees_moved_frames = values.get_int("samples") > 1;
+                return needs;
+            },
         .truth =
             [](const ParameterValues& values) {
                 return TruthSpec{values.get_int("samples") > 1 ? TruthKind::Pixel : TruthKind::Hard};
