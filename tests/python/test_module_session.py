@@ -42,7 +42,8 @@ def render_long(core, session, **options):
 
 def test_layers_are_pictures_of_the_shadow(core, session):
     scene, camera = small_scene.make_scene(core), small_scene.make_camera(core)
-    result = session.render(scene, camera, [(0, "sm", {"map_size": 256})], width=64, height=64, aux=["normal", "depth", "ids"])
+    jobs = [(0, "sm", {"map_size": 256})]
+    result = session.render(scene, camera, jobs, width=64, height=64, aux=["normal", "depth", "ids"])
     (layer,) = result.layers
     visibility = layer.channels["visibility"]
     assert (layer.job, layer.light, layer.technique) == (0, 0, "sm")

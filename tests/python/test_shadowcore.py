@@ -131,7 +131,11 @@ def test_a_snapshot_of_the_add_on_is_rendered(run, snapshot, tmp_path):
     first, second = document["layers"]
     assert {"file", "channel", "light", "technique", "frame", "settings", "time_ms"} <= set(first)
     assert (first["light"], first["technique"], first["frame"]) == ("Key", "sm", 12)
-    assert first["channel"] == "View.Shadow Key sm.X" and first["settings"] == {"map_size": 256}
+    assert first["channel"] == "View.Shadow Key sm.X" and first["settings"] == {
+        "map_size": 256,
+        "light_samples": 1,
+        "light_pattern": "spiral",
+    }
     assert second["light"] == "Rim.001/é" and second["settings"]["kernel"] == 5
     assert second["channel"] == "View.Shadow Rim_001/é pcf.X"
     assert all(ms >= 0 for layer in document["layers"] for ms in layer["time_ms"].values())
