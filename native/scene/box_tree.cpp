@@ -135,12 +135,11 @@ private:
             if (best == kTreeWidth) break;
             const Range whole = children[best];
             const std::uint32_t middle = cut(whole, depth);
+            // In the order of the items, so that leaves follow one another as well.
+            for (std::size_t i = count++; i > best + 1; --i) children[i] = children[i - 1];
             children[best] = make_range(whole.begin, middle);
-            children[count++] = make_range(middle, whole.end);
+            children[best + 1] = make_range(middle, whole.end);
         }
-        // In the order of the triangles, so that leaves follow one another as well.
-        std::sort(children.begin(), children.begin() + std::ptrdiff_t(count),
-                  [](const Range& a, const Range& b) { return a.begin < b.begin; });
         return count;
     }
 
