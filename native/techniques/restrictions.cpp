@@ -9,8 +9,8 @@ namespace shadow_layers {
 
 std::vector<std::string> list_restrictions(const TechniqueDescriptor& technique) {
     std::vector<std::string> restrictions;
-    const auto add = [&](bool holds, std::string text) {
-        if (holds) restrictions.push_back(std::move(text));
+    const auto add = [&](bool holds, const char* text) {
+        if (holds) restrictions.emplace_back(text);
     };
     add(technique.meshes == CasterMeshes::Closed, "Casters must be closed meshes");
     add(technique.meshes == CasterMeshes::MeshEdges,
