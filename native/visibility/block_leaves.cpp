@@ -6,6 +6,8 @@
 #include <bit>
 #include <cmath>
 
+#include "visibility/node_boxes.h"
+
 namespace shadow_layers {
 namespace {
 
@@ -13,8 +15,6 @@ using soft_kernel::kWidth;
 using soft_kernel::Leaf;
 using soft_kernel::Node;
 
-// Of coordinates: what rounding to float may take from a box, as in CasterTree.
-constexpr double kRounding = 8.0 / 16777216;
 // Only triangles that rise over the receivers' plane by less than this part of their distance are asked for flat
 // neighbours: kFlatTolerance, with a reserve.
 constexpr double kAlmostFlat = 1e-5;
@@ -32,25 +32,15 @@ bool BlockLeaves::lies_flat(const Triangle& t) const {
 }
 
 std::uint32_t BlockLeaves::find_alive(std::span<const Triangle> triangles) const {
-    Node boxes;
-    for (int i = 0; i < kWidth; ++i) {
-        const bool is_there = std::size_t(i) < triangles.size();
-        for (int k = 0; k < 3; ++k) {
-            boxes.low[k][i] = INFINITY, boxes.high[k][i] = -INFINITY;
-            if (!is_there) continue;
-            const Bounds& box = triangles[std::size_t(i)].box;
-            const double margin = kRounding * std::max(std::abs(box.min[k]), std::abs(box.max[k]));
-            boxes.low[k][i] = float(box.min[k] - margin), boxes.high[k][i] = float(box.max[k] + margin);
-        }
-        boxes.child[i] = 0;
-    }
+    Node boxes = make_empty_node();
+    for (std::size_t i = 0; i < triangles.size(); ++i) set_box(boxes, int(i), triangles[i].box, {kBoxRounding, 0}, 0);
     return build_.test_shaft(shaft_, boxes);
 }
 
 std::size_t BlockLeaves::add(const Leaf& leaf, const OcclusionRule& rule, std::span<const PixelIds> own) {
     Triangle found[kWidth];
     std::size_t count = 0;
-    const double margin = kRounding * double(leaf.size);
+    const double margin = kBoxRounding * double(leaf.size);
     for (std::uint32_t lanes = leaf.lanes; lanes != 0; lanes &= lanes - 1) {
         const int i = std::countr_zero(lanes);
         Triangle& t = found[count++];

@@ -18,9 +18,6 @@ using soft_kernel::Leaf;
 using soft_kernel::Node;
 using soft_kernel::Receiver;
 
-// Of coordinates: what rounding to float may take from a box, as in CasterTree.
-constexpr double kBoxMargin = 8.0 / 16777216;
-
 }  // namespace
 
 void BlockRoots::find(const Block& block, const CasterTree& tree, const OcclusionRule& rule) {
@@ -72,15 +69,15 @@ void BlockRoots::add_children(const Node& node, std::uint32_t alive) {
     }
 }
 
+/// The next free child of the last node.
+int BlockRoots::take_lane() {
+    const int lane = int(count_++ % kWidth);
+    if (lane == 0) nodes_.push_back(make_empty_node());
+    return lane;
+}
+
 void BlockRoots::add(const Root& root) {
-    const std::size_t lane = count_++ % kWidth;
-    if (lane == 0) {
-        Node& fresh = nodes_.emplace_back();
-        for (int i = 0; i < kWidth; ++i) {
-            for (int k = 0; k < 3; ++k) fresh.low[k][i] = INFINITY, fresh.high[k][i] = -INFINITY;
-            fresh.child[i] = kNoChild;
-        }
-    }
+    const int lane = take_lane();
     Node& node = nodes_.back();
     for (int k = 0; k < 3; ++k) node.low[k][lane] = root.low[k], node.high[k][lane] = root.high[k];
     node.child[lane] = root.link;
@@ -90,15 +87,9 @@ void BlockRoots::add_packed(const Block& block, BlockLeaves& packed) {
     packed.pack();
     leaves_.assign(packed.leaves().begin(), packed.leaves().end());
     for (std::size_t i = 0; i < leaves_.size(); ++i) {
-        const Bounds& box = packed.box(i);
-        Root root;
-        for (int k = 0; k < 3; ++k) {
-            const double largest = std::max(std::abs(box.min[k]), std::abs(box.max[k]));
-            const double margin = kBoxMargin * (largest + block.part.largest_place) + 2 * block.part.place_error;
-            root.low[k] = float(box.min[k] - margin), root.high[k] = float(box.max[k] + margin);
-        }
-        root.link = kLeaf | soft_kernel::kOfBlock | std::uint32_t(i);
-        add(root);
+        const int lane = take_lane();
+        set_box(nodes_.back(), lane, packed.box(i), block.part.widening(),
+                kLeaf | soft_kernel::kOfBlock | std::uint32_t(i));
     }
 }
 
@@ -106,7 +97,7 @@ void BlockRoots::add_packed(const Block& block, BlockLeaves& packed) {
 /// see: the corners of both boxes answer for what is inside.
 bool BlockRoots::is_covered_by(const Block& block, const Leaf& leaf) const {
     Bounds box = block.places;
-    const double margin = kBoxMargin * block.part.largest_place;
+    const double margin = kBoxRounding * block.part.largest_place;
     box.min -= margin, box.max += margin;
     Receiver corner = block.receiver;
     corner.instance = corner.triangle = kNoChild;

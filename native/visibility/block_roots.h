@@ -41,6 +41,7 @@ private:
     };
     void open_nodes(const Block& block, const CasterTree& tree);
     void add_children(const soft_kernel::Node& node, std::uint32_t alive);
+    int take_lane();
     void add(const Root& root);
     void add_packed(const Block& block, BlockLeaves& packed);
     bool is_covered_by(const Block& block, const soft_kernel::Leaf& leaf) const;

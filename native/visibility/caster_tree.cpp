@@ -21,34 +21,10 @@ using soft_kernel::kWidth;
 using soft_kernel::Leaf;
 using soft_kernel::Node;
 
-// Of a box's coordinates: its rounding to float and that of what is computed from it.
-constexpr double kBoxRounding = 8.0 / 16777216;
 // Trees of more nodes are baked by several threads, from about so many subtrees on.
 constexpr std::size_t kManyNodes = 256, kSubtrees = 64;
 constexpr std::size_t kInstanceBlock = 1 << 10;
 constexpr std::align_val_t kAlignment{64};
-
-Node make_empty_node() {
-    Node node;
-    for (int i = 0; i < kWidth; ++i) {
-        for (int k = 0; k < 3; ++k) {
-            node.low[k][i] = std::numeric_limits<float>::infinity();
-            node.high[k][i] = -std::numeric_limits<float>::infinity();
-        }
-        node.child[i] = kNoChild;
-    }
-    return node;
-}
-
-void set_box(Node& node, int i, const Bounds& box, const BoxWidening& widening, std::uint32_t child) {
-    for (int k = 0; k < 3; ++k) {
-        const double largest = std::max(std::abs(box.min[k]), std::abs(box.max[k]));
-        const double margin = widening.relative * largest + widening.absolute;
-        node.low[k][i] = float(box.min[k] - margin);
-        node.high[k][i] = float(box.max[k] + margin);
-    }
-    node.child[i] = child;
-}
 
 Bounds get_box(const BoxTree::Node& node, int i) {
     return {{node.low[0][i], node.low[1][i], node.low[2][i]}, {node.high[0][i], node.high[1][i], node.high[2][i]}};
@@ -236,9 +212,8 @@ private:
 };
 
 CasterTree::CasterTree(const Scene& scene, const glm::dvec3& picture_origin_ws, const LightFrame& frame,
-                       const soft_kernel::Shaft& shaft, std::span<const TreeCaster> casters, double largest_place,
-                       double place_error, ThreadPool& threads) {
-    const BoxWidening widening{kBoxRounding, kBoxRounding * largest_place + 2 * place_error};
+                       const soft_kernel::Shaft& shaft, std::span<const TreeCaster> casters,
+                       const BoxWidening& widening, ThreadPool& threads) {
     Maker(*this, scene, frame.from_world(picture_origin_ws), shaft, casters, widening).make(threads);
 }
 

@@ -10,6 +10,7 @@
 #include "scene/box_tree.h"
 #include "shadow_layers/scene.h"
 #include "visibility/light_frame.h"
+#include "visibility/node_boxes.h"
 #include "visibility/soft_kernel.h"
 
 namespace shadow_layers {
@@ -31,8 +32,8 @@ public:
     /// `largest_place`, `place_error`: bounds of the receivers' coordinates in the frame and of how far off they may
     /// be; boxes are widened by what rounding makes of them.
     CasterTree(const Scene& scene, const glm::dvec3& picture_origin_ws, const LightFrame& frame,
-               const soft_kernel::Shaft& shaft, std::span<const TreeCaster> casters, double largest_place,
-               double place_error, ThreadPool& threads);
+               const soft_kernel::Shaft& shaft, std::span<const TreeCaster> casters, const BoxWidening& widening,
+               ThreadPool& threads);
     ~CasterTree();
 
     bool is_empty() const { return root_ == nullptr; }
@@ -52,11 +53,6 @@ private:
     std::unique_ptr<soft_kernel::Leaf[], Release> leaves_;
     std::size_t node_count_ = 0, leaf_count_ = 0;
     const soft_kernel::Node* root_ = nullptr;
-};
-
-/// By how much boxes are made larger: as a part of their coordinates, and in scene units.
-struct BoxWidening {
-    double relative = 0, absolute = 0;
 };
 
 /// The instances that cast for the light and may cast into the shaft.

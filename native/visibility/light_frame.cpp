@@ -45,8 +45,8 @@ std::vector<LightFrame> make_light_frames(const Light& light, const LightSample&
 }
 
 void align_with_edges(const Scene& scene, const Light& light, LightFrame& frame) {
-    // The mean of edges' directions modulo a quarter turn, as complex numbers to the fourth power, by their area
-    // squared.
+    // The mean of edges' directions modulo a quarter turn, as complex numbers to the fourth power. An edge counts by
+    // its squared length.
     glm::dvec2 sum(0.0);
     const std::size_t instance_step = std::max<std::size_t>(1, scene.instances.size() / kSampledInstances);
     for (std::size_t i = 0; i < scene.instances.size(); i += instance_step) {

@@ -133,7 +133,7 @@ void SoftBlock::trace_part(const SoftPart& part, std::vector<float>& visibility)
     counts_.lit_blocks += is_lit_;
     counts_.dark_blocks += is_dark_;
     start_trace(trace_, *part.tree, roots_);
-    if (!is_lit_ && !is_dark_) start_trace(inner_trace_, *part.inner_tree, inner_roots_);
+    start_trace(inner_trace_, *part.inner_tree, inner_roots_);
     inner_trace_.settle = &settle_nothing;
     tables_.clear();
     for (Member& member : members_) {

@@ -26,6 +26,8 @@ struct SoftPart {
     std::unique_ptr<CasterTree> inner_tree;  ///< of what lies inside of casters (scene/inner_occluders.h)
 
     void set_sample_box();
+    /// Of casters' boxes, for the rounding of their coordinates and of the receivers'.
+    BoxWidening widening() const { return {kBoxRounding, kBoxRounding * largest_place + 2 * place_error}; }
 };
 
 /// Sets all of a receiver that follows from where it lies, in the part's frame.

@@ -147,11 +147,10 @@ private:
             part.sets.emplace_back(samples_.samples(list), part.frame, frame_.origin_ws, distance);
         part.set_sample_box();
         const soft_kernel::Shaft shaft = make_shaft(part, part.receivers);
-        const BoxWidening widening{1e-6, 1e-6 * part.largest_place + 2 * part.place_error};
         std::vector<TreeCaster> casters, inner;
         const Scene& scene = *frame_.scene;
-        for (const std::uint32_t i :
-             find_shaft_casters(scene, light_, frame_.origin_ws, part.frame, shaft, widening, engine_.threads())) {
+        for (const std::uint32_t i : find_shaft_casters(scene, light_, frame_.origin_ws, part.frame, shaft,
+                                                        part.widening(), engine_.threads())) {
             const std::shared_ptr<const Mesh>& mesh = scene.meshes[scene.instances[i].mesh];
             casters.push_back({i, mesh, get_tree(engine_, *mesh), i});
             if (may_lie_inside(scene.instances[i], *mesh)) continue;
@@ -160,8 +159,8 @@ private:
         }
         check_memory(casters);
         const auto make_tree = [&](const std::vector<TreeCaster>& from) {
-            return std::make_unique<CasterTree>(scene, frame_.origin_ws, part.frame, shaft, from, part.largest_place,
-                                                part.place_error, engine_.threads());
+            return std::make_unique<CasterTree>(scene, frame_.origin_ws, part.frame, shaft, from, part.widening(),
+                                                engine_.threads());
         };
         part.tree = make_tree(casters);
         part.inner_tree = make_tree(inner);
