@@ -16,6 +16,7 @@ gl::Device::LoadFunction loader() {
     return [](void* user, const char* name) { return static_cast<Context*>(user)->load(name); };
 }
 
+constexpr double kProgressMs = 30;
 constexpr GLuint64 kBatchTimeoutNs = 60'000'000'000;  // a lost driver, not a slow one
 
 }  // namespace
@@ -73,6 +74,18 @@ void Engine::begin_render() {
 void Engine::check_cancelled() {
     cancel_.check();
     if (stage_error_) std::rethrow_exception(std::exchange(stage_error_, nullptr));
+}
+
+void Engine::set_progress(std::function<void(double)> progress) {
+    progress_ = std::move(progress);
+    progress_clock_ = WallClock();
+    set_progress_part(0, 1);
+}
+
+void Engine::tell_progress(double fraction) {
+    if (std::this_thread::get_id() != thread_ || !progress_ || progress_clock_.elapsed_ms() < kProgressMs) return;
+    progress_clock_ = WallClock();
+    progress_(progress_begin_ + std::clamp(fraction, 0.0, 1.0) * (progress_end_ - progress_begin_));
 }
 
 void Engine::check_gl(const char* where) {

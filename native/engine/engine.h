@@ -3,12 +3,15 @@
 #pragma once
 
 #include <exception>
+#include <functional>
 #include <map>
 #include <memory>
 #include <string>
+#include <thread>
 #include <vector>
 
 #include "base/cancel_token.h"
+#include "base/clock.h"
 #include "base/content_cache.h"
 #include "base/thread_pool.h"
 #include "engine/draw_state.h"
@@ -86,6 +89,10 @@ public:
     /// it in long CPU loops (from this thread) and between draws.
     void check_cancelled();
 
+    /// How far a technique is with the sample of the light at hand, 0 to 1. Long CPU loops tell it as often as they
+    /// like: it goes on at most every 30 ms. Also within ThreadPool loops: what other threads tell is left out.
+    void tell_progress(double fraction);
+
     /// `auto timer = engine.time_stage("depth_map");` CPU wall time and GL time of the scope, summed by name.
     [[nodiscard]] StageTimer time_stage(const char* stage) { return StageTimer(*this, stage); }
     void count(const std::string& counter, std::int64_t amount);
@@ -104,6 +111,10 @@ public:
     void begin_render();
     /// Counts renders from 1; for caches outside of the engine's own.
     std::uint64_t render_number() const { return render_number_; }
+    /// Where progress goes from now on; null: nowhere.
+    void set_progress(std::function<void(double fraction)> progress);
+    /// The work that comes is this part of what is told of.
+    void set_progress_part(double begin, double end) { progress_begin_ = begin, progress_end_ = end; }
     /// Where times and counts go from now on; null: nowhere. Not owned.
     void set_record(StageRecord* record) { record_ = record; }
     StageRecord* record() { return record_; }
@@ -138,6 +149,10 @@ private:
     GLsync last_batch_ = nullptr;
     StageRecord* record_ = nullptr;
     std::uint64_t render_number_ = 0;
+    const std::thread::id thread_ = std::this_thread::get_id();
+    std::function<void(double)> progress_;
+    double progress_begin_ = 0, progress_end_ = 1;
+    WallClock progress_clock_;        ///< since progress was last told
     std::exception_ptr stage_error_;  ///< the first one since it was last told
     std::vector<std::string> warnings_;
 };

@@ -104,6 +104,8 @@ void LightRender::render_many(Engine& engine, Technique& technique, const LightJ
     bool is_seen = false;
     for (int i = 0; i < samples.count; ++i) {
         engine.check_cancelled();
+        engine.set_progress_part(double(i) / samples.count, double(i + 1) / samples.count);
+        engine.tell_progress(0);
         const auto sample = samples.get(i);
         mean.begin_sample(*sample);
         if (has_receivers(job, *sample)) {
@@ -114,6 +116,7 @@ void LightRender::render_many(Engine& engine, Technique& technique, const LightJ
         }
         engine.limit_queue();  // or the maps of all samples would be held until the last is drawn
     }
+    engine.set_progress_part(0, 1);
     if (is_seen)
         mean.finish(samples.count, outputs);
     else

@@ -48,7 +48,7 @@ private:
     void deliver(std::size_t job, LayerSum& sum);
     bool is_last_use(std::size_t job, std::size_t sample) const;
     bool is_first_of_light(std::size_t job) const;
-    void tell_progress(const std::string& text);
+    void begin_step(const std::string& text);
 
     Engine& engine_;
     TechniqueSet& techniques_;
@@ -63,7 +63,7 @@ private:
     std::vector<StageRecord> records_;
     std::vector<std::vector<MapView>> views_;
     std::vector<std::unique_ptr<LayerSum>> sums_;
-    std::size_t steps_done_ = 0;
+    std::size_t steps_begun_ = 0;
 };
 
 FrameResult RenderRun::run() {
@@ -105,7 +105,7 @@ std::vector<RenderRun::Batch> RenderRun::cut_batches() const {
 void RenderRun::run_sample(const Batch& batch, std::size_t sample) {
     engine_.set_record(&frame_record_);
     const WallClock clock;
-    if (batch.begin == 0) tell_progress("frame");
+    if (batch.begin == 0) begin_step("frame");
     frames_.begin_sample(offsets_[sample]);
     const Frame& frame = frames_.get(resolved_.overscan_px).frames->centre();
     if (batch.begin == 0) pictures_.add_frame(frame, sample);
@@ -134,7 +134,7 @@ FrameSet::Part& RenderRun::get_frames(int overscan_px) {
 void RenderRun::run_job(std::size_t job, std::size_t sample, LayerSum& sum) {
     const ResolvedJob& resolved = resolved_.jobs[job];
     const Light& light = request_.scene->lights[resolved.light];
-    tell_progress("light \"" + light.name + "\", " + resolved.descriptor->label);
+    begin_step("light \"" + light.name + "\", " + resolved.descriptor->label);
     FrameSet::Part& part = get_frames(resolved.needs.overscan_px);
     engine_.set_record(&records_[job]);
     const WallClock clock;
@@ -198,10 +198,13 @@ bool RenderRun::is_first_of_light(std::size_t job) const {
     return true;
 }
 
-void RenderRun::tell_progress(const std::string& text) {
-    const std::size_t steps = offsets_.size() * (resolved_.jobs.size() + 1);
-    if (outlet_.progress) outlet_.progress(double(steps_done_) / double(steps), text);
-    ++steps_done_;
+/// Tells of the step that begins, and of its parts as whatever works on it tells the engine.
+void RenderRun::begin_step(const std::string& text) {
+    const double begin = double(steps_begun_++), steps = double(offsets_.size() * (resolved_.jobs.size() + 1));
+    if (outlet_.progress) {
+        outlet_.progress(begin / steps, text);
+        engine_.set_progress([=, this](double fraction) { outlet_.progress((begin + fraction) / steps, text); });
+    }
     engine_.check_cancelled();
 }
 
@@ -211,7 +214,10 @@ FrameResult run_render(Engine& engine, const std::shared_ptr<FramePool>& pool, T
                        const RenderRequest& request, const RenderOutlet& outlet) {
     struct Reset {
         Engine& engine;
-        ~Reset() { engine.set_record(nullptr); }
+        ~Reset() {
+            engine.set_record(nullptr);
+            engine.set_progress(nullptr);
+        }
     } reset{engine};
     engine.take_warnings();
     engine.drop_errors();

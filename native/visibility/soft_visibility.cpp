@@ -3,6 +3,7 @@
 #include "visibility/soft_visibility.h"
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <memory>
 #include <mutex>
@@ -186,14 +187,19 @@ private:
     void trace(std::vector<float>& visibility) {
         const int columns = (frame_.width + kBlockSide - 1) / kBlockSide;
         const int rows = (frame_.height + kBlockSide - 1) / kBlockSide;
-        engine_.threads().parallel_for(std::size_t(columns) * std::size_t(rows), 1, [&](std::size_t i, std::size_t) {
+        const std::size_t blocks = std::size_t(columns) * std::size_t(rows);
+        std::atomic<std::size_t> done{0};
+        engine_.threads().parallel_for(blocks, 1, [&](std::size_t i, std::size_t) {
             engine_.cancel_token().check();
             SoftBlock block({frame_, samples_, parts_, stances_, rule_, light_.kind == LightKind::Area,
                              settings_.is_rotated ? settings_.picture_sample : 0},
                             int(i) % columns * kBlockSide, int(i) / columns * kBlockSide);
             block.trace(visibility);
-            const std::lock_guard lock(counts_mutex_);
-            counts_.add(block.counts());
+            {
+                const std::lock_guard lock(counts_mutex_);
+                counts_.add(block.counts());
+            }
+            engine_.tell_progress(double(++done) / double(blocks));
         });
     }
 
