@@ -86,7 +86,7 @@ glm::dmat3 compute_light_axes(const glm::dmat4& matrix) {
 }
 
 std::vector<LightSample> sample_light_shape(const Light& light, int count, LightPattern pattern,
-                                            const glm::dvec3& shift) {
+                                            const PatternShift& shift) {
     std::vector<LightSample> samples(has_size(light) ? std::size_t(std::max(1, count)) : 1, make_centre(light));
     if (samples.size() == 1) return samples;
     const SamplePattern points(pattern, count, shift);

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "lights/light_views.h"
+#include "lights/sample_pattern.h"
 #include "shadow_layers/technique_descriptor.h"
 
 namespace shadow_layers {
@@ -19,10 +20,10 @@ namespace shadow_layers {
 ///   with a density that looks like an even disc from every side; that of a sphere's surface would look brighter
 ///   towards the rim, that of an even ball towards the middle.
 ///
-/// `shift` (SamplePattern) makes other points of the same shape.
+/// `shift` (find_pattern_shifts) makes other points of the same shape.
 std::vector<LightSample> sample_light_shape(const Light& light, int count,
                                             LightPattern pattern = LightPattern::Sequence,
-                                            const glm::dvec3& shift = glm::dvec3(0.0));
+                                            const PatternShift& shift = {});
 
 /// Right-handed and orthonormal, z as in `matrix`; a mirrored or slightly skewed light keeps its direction.
 glm::dmat3 compute_light_axes(const glm::dmat4& matrix);

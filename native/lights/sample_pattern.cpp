@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "lights/sample_pattern.h"
 
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <numbers>
@@ -20,6 +21,10 @@ constexpr double kRootOfSpace = 1.22074408460575947536;
 constexpr double kGolden = std::numbers::phi;
 // [Alexa22] gives this pair for spirals over the sphere of four dimensions.
 constexpr double kFirstSpiral = std::numbers::sqrt2, kSecondSpiral = 1.533751168755204288118041;
+
+// How much longer a turn is than the way from the middle to the rim: on the sphere of four dimensions 2 pi times a
+// radius of 0 to 1; measured as well, by the areas on both sides of straight borders.
+constexpr double kTurnLength = 3;
 
 double hash_to_unit(int i, int dimension) {
     std::uint64_t bits = (std::uint64_t(i) * 3 + std::uint64_t(dimension) + 1) * 0x9E3779B97F4A7C15u;
@@ -42,6 +47,41 @@ glm::dvec2 map_concentric(const glm::dvec2& square) {
     const double radius = steep ? p.y : p.x;
     const double angle = steep ? 0.25 * kTurn - kTurn / 8 * (p.x / p.y) : kTurn / 8 * (p.y / p.x);
     return radius * glm::dvec2(std::cos(angle), std::sin(angle));
+}
+
+/// The square of the least distance between two points of the lattice of j steps (part, turns...), or less than
+/// `enough`.
+double find_least_square(double part, const std::vector<double>& turns, double turn_length, double enough) {
+    double least = 1;
+    for (int j = 1; j * part * j * part < least && least > enough; ++j) {
+        double square = j * part * j * part;
+        for (const double turn : turns) {
+            const double ahead = glm::fract(j * turn), across = turn_length * std::min(ahead, 1 - ahead);
+            square += across * across;
+        }
+        least = std::min(least, square);
+    }
+    return least;
+}
+
+/// Of all that give every shift_count-th point of the new lattice the old `turns`, those with the largest distance.
+std::vector<double> find_lattice_turns(double part, int shift_count, const std::vector<double>& turns,
+                                       double turn_length) {
+    int combinations = 1;
+    for (std::size_t axis = 0; axis < turns.size(); ++axis) combinations *= shift_count;
+    std::vector<double> best;
+    double largest = 0;
+    for (int combination = 0; combination < combinations; ++combination) {
+        std::vector<double> tried;
+        int rest = combination;
+        for (const double turn : turns) {
+            tried.push_back((turn + rest % shift_count) / shift_count);
+            rest /= shift_count;
+        }
+        const double least = find_least_square(part, tried, turn_length, largest);
+        if (least > largest) largest = least, best = tried;
+    }
+    return best;
 }
 
 }  // namespace
@@ -88,12 +128,12 @@ glm::dvec3 SamplePattern::get_unshifted_in_cube(int i) const {
 
 glm::dvec2 SamplePattern::get_in_square(int i) const {
     const glm::dvec2 place = get_unshifted_in_square(i);
-    return shift_ == glm::dvec3(0.0) ? place : glm::fract(place + glm::dvec2(shift_));
+    return shift_.in_square == glm::dvec2(0.0) ? place : glm::fract(place + shift_.in_square);
 }
 
 glm::dvec3 SamplePattern::get_in_cube(int i) const {
     const glm::dvec3 place = get_unshifted_in_cube(i);
-    return shift_ == glm::dvec3(0.0) ? place : glm::fract(place + shift_);
+    return shift_.in_cube == glm::dvec3(0.0) ? place : glm::fract(place + shift_.in_cube);
 }
 
 glm::dvec2 SamplePattern::get_in_disc(int i) const {
@@ -109,27 +149,25 @@ glm::dvec3 SamplePattern::get_in_ball(int i) const {
     return {disc, std::sqrt(1 - cube.x) * std::cos(kTurn * cube.z)};
 }
 
-// The spiral's points are i steps of (1 / count, 1 / golden). Shifts by k steps of a part of that, modulo 1, make one
-// lattice of all points together; of the parts that do, the one whose points keep the largest distance is taken.
-glm::dvec3 find_pattern_shift(LightPattern pattern, int count, int k, int shift_count) {
-    if (pattern != LightPattern::Spiral)
-        return glm::fract(double(k) * glm::dvec3(1 / kRootOfSpace, 1 / (kRootOfSpace * kRootOfSpace),
-                                                 1 / (kRootOfSpace * kRootOfSpace * kRootOfSpace)));
-    const auto find_step = [&](int part, double turn) { return (turn + part) / shift_count; };
-    const auto find_least = [&](double step) {
-        double least = 1;
-        for (int j = 1; j <= 64; ++j) {
-            const double across = glm::fract(j * step);
-            least =
-                std::min(least, std::hypot(double(j) / (double(count) * shift_count), std::min(across, 1 - across)));
-        }
-        return least;
-    };
-    int best = 0;
-    for (int part = 1; part < shift_count; ++part)
-        if (find_least(find_step(part, 1 / kGolden)) > find_least(find_step(best, 1 / kGolden))) best = part;
-    return {double(k) / (double(count) * shift_count), k * find_step(best, 1 / kGolden),
-            k * find_step(best, 1 / kSecondSpiral)};
+// The spiral's points are i steps of (1 / count, turn, ...). Shifts by k steps of a part of that, modulo 1, make one
+// lattice of all points together; of the parts that do, those are taken whose points keep the largest distance.
+std::vector<PatternShift> find_pattern_shifts(LightPattern pattern, int count, int shift_count) {
+    std::vector<PatternShift> shifts;
+    if (pattern == LightPattern::Spiral) {
+        const double part = 1.0 / (double(count) * shift_count);
+        const glm::dvec2 in_square(part, find_lattice_turns(part, shift_count, {1 / kGolden}, 1)[0]);
+        const std::vector<double> turns =
+            find_lattice_turns(part, shift_count, {1 / kFirstSpiral, 1 / kSecondSpiral}, kTurnLength);
+        for (int k = 0; k < shift_count; ++k)
+            shifts.push_back({double(k) * in_square, double(k) * glm::dvec3(part, turns[0], turns[1])});
+        return shifts;
+    }
+    const double step = 1 / kRootOfSpace;
+    for (int k = 0; k < shift_count; ++k) {
+        const glm::dvec3 place = glm::fract(double(k) * glm::dvec3(step, step * step, step * step * step));
+        shifts.push_back({glm::dvec2(place), place});
+    }
+    return shifts;
 }
 
 }  // namespace shadow_layers

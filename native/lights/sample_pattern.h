@@ -3,17 +3,23 @@
 #pragma once
 
 #include <glm/glm.hpp>
+#include <vector>
 
 #include "shadow_layers/technique_descriptor.h"
 
 namespace shadow_layers {
 
+/// Added to the coordinates of the square or cube that a pattern's points come from, which go on from its other side:
+/// another pattern, as even.
+struct PatternShift {
+    glm::dvec2 in_square{0.0};
+    glm::dvec3 in_cube{0.0};
+};
+
 /// Points 0..count-1 of a pattern, even over simple shapes; each point stands for the same share of the shape.
 class SamplePattern {
 public:
-    /// `shift`: added to all coordinates of the square or cube that the points come from, which goes on from its other
-    /// side: another pattern, as even.
-    SamplePattern(LightPattern pattern, int count, const glm::dvec3& shift = glm::dvec3(0.0))
+    SamplePattern(LightPattern pattern, int count, const PatternShift& shift = {})
         : pattern_(pattern), count_(count), shift_(shift) {}
 
     glm::dvec2 get_in_square(int i) const;  ///< [0, 1)^2
@@ -29,10 +35,10 @@ private:
 
     LightPattern pattern_;
     int count_;
-    glm::dvec3 shift_;
+    PatternShift shift_;
 };
 
-/// Shift `k` of `shift_count`: together they make of `count` points shift_count * count that are as even.
-glm::dvec3 find_pattern_shift(LightPattern pattern, int count, int k, int shift_count);
+/// Shifts 0..shift_count-1: together they make of `count` points shift_count * count that are as even.
+std::vector<PatternShift> find_pattern_shifts(LightPattern pattern, int count, int shift_count);
 
 }  // namespace shadow_layers

@@ -50,9 +50,8 @@ std::vector<std::vector<LightSample>> make_sample_lists(const Light& light, cons
     const std::vector<LightSample> samples = sample_light_shape(light, count, settings.pattern);
     if (!settings.is_rotated || samples.size() == 1) return {samples};
     std::vector<std::vector<LightSample>> lists;
-    for (int k = 0; k < kShifts; ++k)
-        lists.push_back(sample_light_shape(light, count, settings.pattern,
-                                           find_pattern_shift(settings.pattern, count, k, kShifts)));
+    for (const PatternShift& shift : find_pattern_shifts(settings.pattern, count, kShifts))
+        lists.push_back(sample_light_shape(light, count, settings.pattern, shift));
     return lists;
 }
 

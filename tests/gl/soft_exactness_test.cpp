@@ -221,10 +221,10 @@ TEST_F(SoftExactness, RotatedPixelsEachTakeAShiftOfThePattern) {
         const TechniqueRun run = runner_.render(
             view, "soft", parameters({{"light_samples", std::int64_t{kSamples}}, {"pattern", std::string("rotated")}}));
         const truth::RayOracle oracle(view.scene);
+        const std::vector<PatternShift> shifts = find_pattern_shifts(LightPattern::Spiral, kSamples, kShifts);
         std::array<std::array<int, kShifts>, 16> wrong{};
         for (int shift = 0; shift < kShifts; ++shift) {
-            const auto samples = sample_light_shape(light, kSamples, LightPattern::Spiral,
-                                                    find_pattern_shift(LightPattern::Spiral, kSamples, shift, kShifts));
+            const auto samples = sample_light_shape(light, kSamples, LightPattern::Spiral, shifts[std::size_t(shift)]);
             const truth::SampleShadows shadows(oracle, *run.frame, light, samples);
             for (std::size_t pixel = 0; pixel < run.frame->pixel_count(); ++pixel) {
                 const std::size_t x = pixel % std::size_t(run.frame->width), y = pixel / std::size_t(run.frame->width);
