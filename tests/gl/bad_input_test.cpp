@@ -244,6 +244,27 @@ TEST(BadPlaces, LightsAtTouchingAndFarPlaces) {
         }
 }
 
+/// Around the camera, around receivers, touching surfaces, edge-on to the floor: every size that a light may have.
+TEST(BadPlaces, LightsOfOddSizes) {
+    const glm::dvec3 eye(plain_view().camera.world_from_camera[3]);
+    const glm::dvec2 kSizes[] = {{0, 0}, {1e-9, 1e-9}, {1.5, 0}, {1.5, 1e-9}, {3, 2}, {60, 40}, {1e12, 1e12}};
+    for (const LightKind kind : kAllKinds)
+        for (const glm::dvec2& size : kSizes)
+            for (const auto& [place, ahead] : {std::pair{glm::dvec3(2, -1, 4), glm::dvec3(-0.5, 0.3, -1)},
+                                               {eye, glm::dvec3(0.1, 0.2, -1)},
+                                               {glm::dvec3(1.2, 0.4, 0.1), glm::dvec3(0.1, 0.2, -1)},
+                                               {glm::dvec3(1.8, -1.4, 0.5 * size.x), glm::dvec3(1, 0, 0)}}) {
+                SCOPED_TRACE("kind " + std::to_string(int(kind)) + ", size " + std::to_string(size.x));
+                SceneView view = box_scene(kWidth, kHeight);
+                Light light = make_light(kind, place, place + ahead, 120);
+                light.radius = 0.5 * size.x, light.area_size = size;
+                light.sun_angle = std::min(size.x, std::numbers::pi);
+                view.scene->lights = {light};
+                render_all(request_of(view));
+                if (::testing::Test::HasFailure()) return;
+            }
+}
+
 TEST(BadPlaces, CameraInsideGeometryAndAtTheClipPlanes) {
     for (const LightKind kind : kAllKinds) {
         SceneView view = plain_view(kind);

@@ -77,17 +77,22 @@ SceneView transform_view(const SceneView& view, double scale, const glm::dvec3& 
 struct Case {
     std::string technique;
     LightKind kind;
+    bool is_wide = false;  ///< a light of a size that shows; otherwise suns, spots and points have none
 };
 
 std::string name_of(const Case& item) {
-    return item.technique + "_" + std::array{"sun", "spot", "point", "area"}[std::size_t(item.kind)];
+    return item.technique + "_" + std::array{"sun", "spot", "point", "area"}[std::size_t(item.kind)] +
+           (item.is_wide ? "_wide" : "");
 }
 std::ostream& operator<<(std::ostream& stream, const Case& item) { return stream << name_of(item); }
 
 std::vector<Case> all_cases() {
     std::vector<Case> cases;
     for (const TechniqueDescriptor& technique : technique_descriptors())
-        for (const LightKind kind : technique.lights) cases.push_back({technique.id, kind});
+        for (const LightKind kind : technique.lights) {
+            cases.push_back({technique.id, kind});
+            if (technique.light_size == LightSize::Followed) cases.push_back({technique.id, kind, true});
+        }
     return cases;
 }
 
@@ -95,7 +100,9 @@ class Invariance : public ::testing::TestWithParam<Case> {
 protected:
     const std::string& technique() const { return GetParam().technique; }
     SceneView lit(SceneView view) const {
-        view.scene->lights = {make_light(GetParam().kind, {2.1, -0.7, 3.9}, {0.1, 0.2, 0.4}, 80)};
+        Light light = make_light(GetParam().kind, {2.1, -0.7, 3.9}, {0.1, 0.2, 0.4}, 80);
+        if (GetParam().is_wide) light.radius = 0.4, light.sun_angle = 0.15, light.area_size = {0.9, 0.6};
+        view.scene->lights = {light};
         return view;
     }
     std::vector<SceneView> views() const {
