@@ -7,6 +7,7 @@ import math
 import bpy
 import numpy as np
 import pytest
+from mathutils import Vector
 
 # name: (fewest triangles, most triangles, kinds of its lights)
 kScenes = {
@@ -59,6 +60,58 @@ def test_scene_holds_what_it_promises_and_renders(open_scene, name):
         assert np.isfinite(visibility).all() and visibility.min() >= 0 and visibility.max() <= 1
         assert (visibility > 0.5).mean() > 0.02, f"{layer.light} lights next to nothing"
         assert (visibility < 0.5).mean() > 0.02, f"{layer.light} casts next to no shadow"
+
+
+def light_from_all_kinds(scene) -> float:
+    """Puts seven lights of all kinds and shapes in the place of the scene's own, in the first one's direction, each as
+    wide as 0.2 of its distance. Returns the distance."""
+    lights = [thing for thing in scene.objects if thing.type == "LIGHT"]
+    turned = lights[0].matrix_world.to_3x3().normalized().to_4x4()
+    for light in lights:
+        bpy.data.objects.remove(light)
+    bpy.context.view_layer.update()
+    corners = [thing.matrix_world @ Vector(corner) for thing in scene.objects if thing.type == "MESH"
+               for corner in thing.bound_box]  # fmt: skip
+    low, high = (Vector(pick(c[axis] for c in corners) for axis in range(3)) for pick in (min, max))
+    distance = 0.6 * (high - low).length
+    turned.translation = (low + high) / 2 + distance * turned.col[2].to_3d()
+    for name in ("SUN", "SPOT", "POINT", "RECTANGLE", "ELLIPSE", "DISK", "SQUARE"):
+        is_area = name in {"RECTANGLE", "ELLIPSE", "DISK", "SQUARE"}
+        data = bpy.data.lights.new(name, "AREA" if is_area else name)
+        if is_area:
+            data.shape, data.size, data.size_y = name, 0.2 * distance, 0.1 * distance
+        elif name == "SUN":
+            data.angle = 0.2
+        else:
+            data.shadow_soft_size = 0.1 * distance
+        thing = bpy.data.objects.new(name, data)
+        scene.collection.objects.link(thing)
+        thing.matrix_world = turned
+    return distance
+
+
+def take_layers(frame, technique: str) -> dict:
+    return {layer.light: layer.channels["visibility"] for layer in frame.layers if layer.technique == technique}
+
+
+@pytest.mark.parametrize("name", kScenes)
+def test_soft_is_the_mean_of_hard_layers_under_every_kind_of_light(open_scene, name):
+    scene = open_scene(name)
+    light_from_all_kinds(scene)
+    settings = scene.shadow_layers
+    settings.soft.light_samples, settings.soft.pattern = 8, "fixed"
+    settings.multi.positions, settings.multi.technique = 8, "exact"
+    frame = render_small(scene, techniques=("soft", "multi"))
+    soft, mean = (take_layers(frame, technique) for technique in ("soft", "multi"))
+    assert len(soft) == 7 and soft.keys() == mean.keys()
+    for light, layer in soft.items():
+        assert np.abs(layer - mean[light]).max() < 2e-5, light  # the rounding of the sums
+        assert ((layer > 0.01) & (layer < 0.99)).sum() > 50, f"{light} has next to no penumbra"
+    settings.soft.light_samples = 1
+    frame = render_small(scene, techniques=("soft", "exact"))
+    one, hard = (take_layers(frame, technique) for technique in ("soft", "exact"))
+    for light, layer in one.items():
+        assert np.array_equal(layer, hard[light]), light
 
 
 @pytest.mark.parametrize("kind", ["spot", "sun", "point", "area"])
