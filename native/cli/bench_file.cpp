@@ -57,6 +57,17 @@ const BenchRow& find_most_samples(const std::vector<BenchRow>& rows) {
                              [&](const BenchRow& a, const BenchRow& b) { return samples(a) < samples(b); });
 }
 
+/// Said before hours of measuring, not after.
+void check_bits_can_be_told(const std::vector<BenchRow>& rows) {
+    for (const BenchRow& row : rows) {
+        const TechniqueDescriptor& technique = find_technique_descriptor(row.technique);
+        if (technique.needs(row.resolved).shifts_samples)
+            throw InputError("--bits casts rays to the same samples of the light from all pixels, but \"" +
+                             row.technique +
+                             "\" takes others at each of them with pattern = rotated; measure it with pattern = fixed");
+    }
+}
+
 }  // namespace
 
 void BenchStop::request() {
@@ -85,6 +96,7 @@ FileBench::FileBench(const Options& options, const std::filesystem::path& path, 
         if (options.rows.empty()) throw InputError("'" + path.string() + "': " + error.what());
         throw;
     }
+    if (options.bits) check_bits_can_be_told(rows_);
 }
 
 FileBench::~FileBench() { close_session(); }

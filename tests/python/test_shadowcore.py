@@ -354,6 +354,20 @@ def test_bench_counts_the_wrong_bits_of_soft_layers(run, bulb_snapshot, tmp_path
     assert f"0 wrong bits of {right['bits']}" in done.stdout
 
 
+def test_bench_counts_no_bits_where_each_pixel_takes_samples_of_its_own(run, bulb_snapshot, tmp_path):
+    rows = [
+        {"technique": "soft", "settings": {"pattern": pattern, "light_samples": 9}} for pattern in ("fixed", "rotated")
+    ]
+    options = ("--bits", "--repeat", 1, "--resolution", "160x120", "--samples", 1, "--json", "bench.json")
+    done = run("bench", bulb_snapshot, "--rows", write_rows(tmp_path, rows), *options)
+    assert_fails(done, "pattern = fixed", '"soft"')
+    assert not (tmp_path / "bench.json").exists()
+    done = run("bench", bulb_snapshot, "--rows", write_rows(tmp_path, rows[:1]), *options)
+    assert done.returncode == 0, done.stderr
+    [record] = json.loads((tmp_path / "bench.json").read_text(encoding="utf-8"))["records"]
+    assert record["bits"]["wrong_bits"] == 0 and record["bits"]["penumbra_pixels"] > 500
+
+
 def test_bench_tells_the_standard_error_of_a_soft_truth(run, bulb_snapshot, tmp_path):
     rows = [{"technique": "multi", "settings": {"positions": n, "technique": "exact"}} for n in (4, 64)]
     done = run(

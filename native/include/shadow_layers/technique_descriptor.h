@@ -40,6 +40,7 @@ struct TechniqueNeeds {
     LightPattern light_pattern = LightPattern::Sequence;
     bool sees_moved_frames = false;  ///< asks for other frames about the pixel's centre, which may see other receivers
     bool samples_itself = false;     ///< works all samples of the light at once: it is given the centre alone
+    bool shifts_samples = false;     ///< does so at each pixel with another shift of the pattern (SamplePattern)
 
     /// Samples that the technique is called for, one by one.
     int separate_samples() const { return samples_itself ? 1 : light_samples; }

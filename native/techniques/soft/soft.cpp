@@ -57,6 +57,7 @@ TechniqueDescriptor describe_soft() {
                 needs.light_samples = int(values.get_int("light_samples"));
                 needs.light_pattern = LightPattern::Spiral;
                 needs.samples_itself = true;
+                needs.shifts_samples = values.get_enum("pattern") == "rotated";
                 return needs;
             },
         .truth = [](const ParameterValues&) { return TruthSpec{TruthKind::Soft}; },
