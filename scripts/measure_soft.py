@@ -34,9 +34,12 @@ kTreeTriangles = (50_000, 200_000)
 kTreeStage = "caster_trees"
 kWorstToEmbree, kMedianToEmbree = 1.0, 0.35
 kCyclesBound = 60.0
+kErrorBounds = {64: 0.01, 256: 0.003}  # mean over the penumbra, of full light
+kCyclesSizes = {"full": (1280, 720), "small": (400, 225), "truth_samples": 512}
 kBitColumns = ["scene", "light", "samples", "bits", "wrong", "ties", "penumbra pixels"]
 kSpeedColumns = ["scene", "light", "exact", "soft", "in hard layers", "bound", "aim", "with trees", "Embree", "its way",
                  "soft/Embree"]  # fmt: skip
+kErrorColumns = ["scene", "penumbra pixels", "truth's own error %", "samples", "mean error %", "bias %", "bound %"]
 kCyclesColumns = ["scene", "F12", "error %", "Cycles, no denoiser", "samples", "error %", "with denoiser", "samples",
                   "error %", "Cycles/F12", "bound"]  # fmt: skip
 
@@ -176,6 +179,17 @@ def find_cheapest(renders: list[dict[str, Any]], error: float) -> dict[str, Any]
     return next((render for render in renders if render["error"] <= error), renders[-1])
 
 
+def judge_errors(scene: str, found: dict[str, Any]) -> list[tuple[list[object], bool]]:
+    """Cells of a row for each number of samples of `soft`, from what judge_cycles() takes too."""
+    rows = []
+    for row in found["soft"]:
+        bound = kErrorBounds[row["samples"]]
+        cells = [scene, found["penumbra"], f"{100 * found['truth_error']:.2f}", row["samples"],
+                 f"{100 * row['error']:.2f}", f"{100 * row['bias']:+.2f}", f"{100 * bound:g}"]  # fmt: skip
+        rows.append((cells, row["error"] <= bound))
+    return rows
+
+
 def judge_cycles(scene: str, found: dict[str, Any]) -> tuple[list[object], bool]:
     """`found`: milliseconds of F12 and its error; per denoiser (off, on) renders of Cycles, each with samples, error
     and milliseconds."""
@@ -245,16 +259,20 @@ def measure_soft_speed() -> Table:
     return table
 
 
-def measure_soft_cycles() -> Table:
-    """F12 with `soft` next to the cheapest render of Cycles of the same error, medium lights."""
-    table = Table("F12 with soft next to Cycles of the same error, medium lights, 1280 x 720", kCyclesColumns)
-    scenes = [scene for scene in kScenes if scene.name in kCyclesScenes]
-    for scene in scenes:
+def measure_soft_cycles() -> tuple[Table, Table]:
+    """Errors of `soft` against Cycles, and F12 next to the cheapest render of Cycles of the same error."""
+    errors = Table("Exact soft shadows against Cycles: means over the penumbra, medium lights", kErrorColumns)
+    times = Table("F12 with soft next to Cycles of the same error, medium lights, 1280 x 720", kCyclesColumns)
+    for scene in (scene for scene in kScenes if scene.name in kCyclesScenes):
         path = make_soft_scene(scene)
         if path is None:
             continue
         wanted = out / "soft_cycles_wanted.json"
-        wanted.write_text(json.dumps({"light": scene.light, "size": scene.sizes[1]}), encoding="utf-8")
-        cells, good = judge_cycles(scene.name, in_blender("soft_cycles", path, wanted))
-        table.add(*cells, good=good)
-    return table
+        wanted.write_text(json.dumps({"light": scene.light, "size": scene.sizes[1], **kCyclesSizes}), encoding="utf-8")
+        found = in_blender("soft_cycles", path, wanted)
+        (out / f"soft_cycles_{scene.name}.json").write_text(json.dumps(found, indent=1), encoding="utf-8")
+        for cells, good in judge_errors(scene.name, found):
+            errors.add(*cells, good=good)
+        cells, good = judge_cycles(scene.name, found)
+        times.add(*cells, good=good)
+    return errors, times

@@ -10,6 +10,7 @@ stay, everything else is made anew. Nothing is judged here; measure.py knows the
 
 import importlib
 import json
+import math
 import os
 import statistics
 import sys
@@ -188,19 +189,40 @@ def measure_memory(paths: list[Path]) -> dict:
 
 
 def measure_cancel(paths: list[Path]) -> dict:
-    """Milliseconds from cancel() to the render's end, at moments spread over a heavy render."""
+    """Milliseconds from cancel() to the render's end, at moments spread over heavy renders: of maps, and of a slow soft
+    layer, with and without its trees to build."""
     bridge = importlib.import_module("addon.bridge")
     scene = open_scene(paths[0], 1280, 720, 4096)
     scene.shadow_layers.samples = 4
-    frame, _ = render(scene, ["sm", "pcf", "edsm"])
-    whole_s = time_render(bridge, frame.snapshot)
+    maps, _ = render(scene, ["sm", "pcf", "edsm"])
+    found = {"maps": cancel_at_moments(bridge, maps.snapshot, 24)}
+    scene.shadow_layers.samples = 1
+    scene.shadow_layers.soft.light_samples = 256
+    for thing in scene.objects:
+        if thing.type == "LIGHT":
+            thing.data.angle = math.radians(30)
+    soft, _ = render(scene, ["soft"])
+
+    def begin_anew() -> None:
+        bridge.shutdown()
+        bridge.session()
+
+    return {**found, "soft": cancel_at_moments(bridge, soft.snapshot, 24),
+            "soft, trees too": cancel_at_moments(bridge, soft.snapshot, 12, begin_anew)}  # fmt: skip
+
+
+def cancel_at_moments(bridge, snapshot, count: int, prepare=lambda: None) -> dict:
+    """Of `count` renders, each cancelled at another moment; `prepare` runs before each."""
+    prepare()
+    whole_s = time_render(bridge, snapshot)
     waits = []
-    for moment in np.linspace(0.02, 0.95, 24):
+    for moment in np.linspace(0.02, 0.95, count):
+        prepare()
         token, ended = bridge.CancelToken(), []
 
         def work(token=token, ended=ended) -> None:
             try:
-                bridge.render_snapshot(frame.snapshot, token=token)
+                bridge.render_snapshot(snapshot, token=token)
             except bridge.RenderCancelled:
                 ended.append(time.perf_counter())
 
@@ -213,7 +235,7 @@ def measure_cancel(paths: list[Path]) -> dict:
             thread.join(0.005)
         if ended:
             waits.append((ended[0] - asked) * 1e3)
-    return {"render_s": whole_s, "cancelled": len(waits), "tried": 24, "wait_ms": spread(waits)}
+    return {"render_s": whole_s, "cancelled": len(waits), "tried": count, "wait_ms": spread(waits)}
 
 
 def time_render(bridge, snapshot) -> float:
@@ -223,11 +245,9 @@ def time_render(bridge, snapshot) -> float:
 
 
 def measure_soft_cycles(paths: list[Path]) -> dict:
-    """F12 with `soft`, and Cycles with ever more samples (soft_renders.py); the second path names the light."""
+    """F12 with `soft`, and Cycles with ever more samples (soft_renders.py); the second path says what is wanted."""
     wanted = json.loads(paths[1].read_text(encoding="utf-8"))
-    return importlib.import_module("soft_renders").measure(
-        open_scene, render, paths[0], wanted["light"], wanted["size"]
-    )
+    return importlib.import_module("soft_renders").measure(open_scene, render, paths[0], wanted)
 
 
 kMeasures = {

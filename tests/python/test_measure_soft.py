@@ -101,6 +101,14 @@ def test_the_cheaper_of_cycles_renders_of_the_same_error_counts():
     assert good and cells[7] == "over 2" and cells[9] == "160"
 
 
+def test_errors_next_to_cycles_have_a_bound_for_each_number_of_samples():
+    soft = [{"samples": 64, "error": 0.0099, "bias": -0.001}, {"samples": 256, "error": 0.0031, "bias": 0.0}]
+    rows = measure_soft.judge_errors("jenga", {"penumbra": 900, "truth_error": 0.004, "soft": soft})
+    assert [good for _, good in rows] == [True, False]
+    assert rows[0][0] == ["jenga", 900, "0.40", 64, "0.99", "-0.10", "1"]
+    assert all(len(cells) == len(measure_soft.kErrorColumns) for cells, _ in rows)
+
+
 @pytest.mark.parametrize(
     ("kind", "size", "expected"),
     [
