@@ -58,7 +58,9 @@ void expect_many_and_rising(const std::vector<Told>& told) {
     EXPECT_LE(told.back().fraction, 1.0);
 }
 
-TEST(Progress, ASlowSoftLayerTellsHowFarItIs) { expect_many_and_rising(listen(make_slow_request("soft", "light_samples", 1024))); }
+TEST(Progress, ASlowSoftLayerTellsHowFarItIs) {
+    expect_many_and_rising(listen(make_slow_request("soft", "light_samples", 1024)));
+}
 
 TEST(Progress, ALayerOfManyHardShadowsTellsHowFarItIs) {
     expect_many_and_rising(listen(make_slow_request("multi", "positions", 64)));

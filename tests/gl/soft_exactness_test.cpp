@@ -213,18 +213,19 @@ TEST_F(SoftExactness, LinkingLeavesOutCastersAndReceivers) {
 
 /// Sixteen shifts of the pattern, one for each pixel of 4 x 4: which, the rays must find out.
 TEST_F(SoftExactness, RotatedPixelsEachTakeAShiftOfThePattern) {
-    constexpr int kShifts = 16, kSamples = 8;
-    for (const LightKind kind : {LightKind::Sun, LightKind::Point, LightKind::Area}) {
-        SceneView view = make_soup_scene(41, 96, 56);
+    constexpr int kShifts = 16;
+    for (const auto& [kind, count] :
+         {std::pair{LightKind::Sun, 8}, {LightKind::Point, 8}, {LightKind::Area, 8}, {LightKind::Spot, 65}}) {
+        SceneView view = count > 8 ? make_soup_scene(41, 48, 28) : make_soup_scene(41, 96, 56);
         const Light light = make_soft_light(kind, 0.5);
         view.scene->lights = {light};
         const TechniqueRun run = runner_.render(
-            view, "soft", parameters({{"light_samples", std::int64_t{kSamples}}, {"pattern", std::string("rotated")}}));
+            view, "soft", parameters({{"light_samples", std::int64_t{count}}, {"pattern", std::string("rotated")}}));
         const truth::RayOracle oracle(view.scene);
-        const std::vector<PatternShift> shifts = find_pattern_shifts(LightPattern::Spiral, kSamples, kShifts);
+        const std::vector<PatternShift> shifts = find_pattern_shifts(LightPattern::Spiral, count, kShifts);
         std::array<std::array<int, kShifts>, 16> wrong{};
         for (int shift = 0; shift < kShifts; ++shift) {
-            const auto samples = sample_light_shape(light, kSamples, LightPattern::Spiral, shifts[std::size_t(shift)]);
+            const auto samples = sample_light_shape(light, count, LightPattern::Spiral, shifts[std::size_t(shift)]);
             const truth::SampleShadows shadows(oracle, *run.frame, light, samples);
             for (std::size_t pixel = 0; pixel < run.frame->pixel_count(); ++pixel) {
                 const std::size_t x = pixel % std::size_t(run.frame->width), y = pixel / std::size_t(run.frame->width);
@@ -258,17 +259,25 @@ TEST_F(SoftExactness, OneSampleIsTheHardLayerToTheBit) {
 }
 
 TEST_F(SoftExactness, ManySamplesAreTheMeanOfHardLayers) {
-    for (const LightKind kind : kAllLightKinds)
-        for (SceneView view : {random_scene(8, 160, 90), make_soup_scene(8, 160, 90), tower_scene(160, 90),
-                               make_needle_scene(8, 160, 90), box_scene(160, 90)}) {
-            view.scene->lights = {make_soft_light(kind, 0.2)};
+    std::vector<Light> lights;
+    for (const LightKind kind : kAllLightKinds) lights.push_back(make_soft_light(kind, 0.2));
+    for (const bool is_round : {true, false}) {
+        lights.push_back(make_soft_light(LightKind::Area, 0.2));
+        lights.back().area_round = is_round, lights.back().area_size.y = lights.back().area_size.x;
+        lights.push_back(lights.back());
+        lights.back().area_size.y *= 0.25;
+    }
+    for (const Light& light : lights)
+        for (SceneView view : {random_scene(8, 160, 90), make_soup_scene(8, 120, 68), tower_scene(80, 45),
+                               make_needle_scene(8, 80, 45), box_scene(80, 45)}) {
+            view.scene->lights = {light};
             const auto soft = render(view, "soft", parameters({{"light_samples", std::int64_t{32}}}));
             const auto mean = render(
                 view, "multi", parameters({{"positions", std::int64_t{32}}, {"technique", std::string("exact")}}));
             double largest = 0;
             for (std::size_t pixel = 0; pixel < soft.size(); ++pixel)
                 largest = std::max(largest, std::abs(double(soft[pixel]) - double(mean[pixel])));
-            EXPECT_LT(largest, kSoftRounding) << int(kind);
+            EXPECT_LT(largest, kSoftRounding) << int(light.kind) << ", round " << light.area_round;
         }
 }
 
