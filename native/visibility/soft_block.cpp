@@ -136,6 +136,8 @@ void SoftBlock::trace_part(const SoftPart& part, std::vector<float>& visibility)
     start_trace(inner_trace_, *part.inner_tree, inner_roots_);
     inner_trace_.settle = &settle_nothing;
     tables_.clear();
+    last_.assign(64 * part.sets.front().count(), soft_kernel::kNoChild);
+    inner_last_ = last_;
     for (Member& member : members_) {
         if (!is_lit_) finish_member(part, member);
         visibility[member.pixel] = is_lit_ && member.is_lit_by_all ? 1.0f : find_visibility(part, member);
@@ -195,6 +197,8 @@ float SoftBlock::find_visibility(const SoftPart& part, const Member& member) {
 std::uint64_t SoftBlock::trace_set(const SoftPart& part, const Member& member, std::uint64_t lit) {
     const soft_kernel::MaskTables* tables = member.receiver.is_near ? nullptr : &get_tables(part, member.list, set_);
     std::uint64_t open = lit;
+    trace_.last_hidden_by = last_.data() + 64 * set_;
+    inner_trace_.last_hidden_by = inner_last_.data() + 64 * set_;
     for (soft_kernel::Trace* trace : {&inner_trace_, &trace_}) {
         if (trace->roots.count == 0 || open == 0) continue;
         trace->samples = &part.sets[member.list].set(set_);

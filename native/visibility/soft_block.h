@@ -76,6 +76,7 @@ private:
     BlockRoots roots_{build_}, inner_roots_{build_};
     bool is_lit_ = false, is_dark_ = false;
     soft_kernel::Trace trace_{}, inner_trace_{};
+    std::vector<std::uint32_t> last_, inner_last_;                  ///< set by set: Trace::last_hidden_by
     std::vector<std::unique_ptr<soft_kernel::MaskTables>> tables_;  ///< of a light with depth, made when asked for
     // of the receiver being traced
     const SampleSets* sets_ = nullptr;

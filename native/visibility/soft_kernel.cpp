@@ -10,50 +10,10 @@
 namespace shadow_layers::soft_kernel {
 namespace {
 
-// Trees are no deeper than this allows (scene/box_tree.cpp), twice over for instances.
-constexpr int kStackSize = 1024;
-// A leaf that hides at least so many samples of one receiver is tried first for the next ones.
-constexpr int kHintSamples = 8;
-
-// Up to so many samples are followed as rays.
-constexpr int kFewRays = 2;
-
-struct Waiting {
-    std::uint64_t mask;
-    std::uint32_t child;
-};
-
-void note_hint(Trace& trace, std::uint32_t leaf) {
-    for (int i = 0; i < trace.hint_count; ++i)
-        if (trace.hints[i] == leaf) return;
-    if (trace.hint_count < Trace::kMostHints) {
-        trace.hints[trace.hint_count++] = leaf;
-        return;
-    }
-    for (int i = 1; i < Trace::kMostHints; ++i) trace.hints[i - 1] = trace.hints[i];
-    trace.hints[Trace::kMostHints - 1] = leaf;
-}
-
-inline const Leaf& get_leaf(const Trace& trace, std::uint32_t link) {
-    const std::uint32_t number = link & ~(kLeaf | kOfBlock);
-    return link & kOfBlock ? trace.roots.leaves[number] : trace.tree.leaves[number];
-}
-
-template <bool kFlat>
-void try_hints(Trace& trace, const Receiver& r, const View& view, std::uint64_t& open) {
-    int kept = 0;
-    for (int i = 0; i < trace.hint_count && open != 0; ++i) {
-        const std::uint32_t leaf = trace.hints[i];
-        if (test_leaf<kFlat>(trace, get_leaf(trace, leaf), r, view, open, open) >= kHintSamples)
-            trace.hints[kept++] = leaf;
-    }
-    if (open != 0) trace.hint_count = kept;
-}
-
 template <bool kFlat>
 std::uint64_t trace_tree(Trace& trace, const Receiver& r, std::uint64_t open) {
     const View view(r, *trace.samples);
-    try_hints<kFlat>(trace, r, view, open);
+    try_last<kFlat>(trace, r, view, open);
     Waiting stack[kStackSize];
     int top = 0;
     const auto open_node = [&](const Node& node, std::uint64_t mask) {
@@ -71,14 +31,19 @@ std::uint64_t trace_tree(Trace& trace, const Receiver& r, std::uint64_t open) {
         open_node(trace.roots.nodes[root], open);
         while (top > 0) {
             const Waiting next = stack[--top];
-            const std::uint64_t mask = next.mask & open;
+            std::uint64_t mask = next.mask & open;
             if (mask == 0) continue;
             if (!(next.child & kLeaf)) {
                 open_node(trace.tree.nodes[next.child], mask);
                 continue;
             }
             const Leaf& leaf = get_leaf(trace, next.child);
-            if (test_leaf<kFlat>(trace, leaf, r, view, mask, open) >= kHintSamples) note_hint(trace, next.child);
+            ++trace.counts.leaves;
+            if (__builtin_popcountll(mask) <= kFewSamples)
+                mask = find_meeting<kFlat>(leaf, r, view, *trace.samples, mask);
+            if (mask == 0) continue;
+            const std::uint64_t before = open;
+            if (test_leaf<kFlat>(trace, leaf, r, view, mask, open) > 0) note_hidden(trace, next.child, before & ~open);
             if (open == 0) return 0;
         }
     }

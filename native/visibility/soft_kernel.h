@@ -97,9 +97,7 @@ struct Trace {
     std::uint64_t (*settle)(void* context, std::uint32_t receiver, std::uint32_t instance, std::uint32_t triangle,
                             std::uint64_t mask);
     void* context;
-    static constexpr int kMostHints = 4;
-    std::uint32_t hints[kMostHints];  ///< links to leaves that hid many samples of the receivers before
-    int hint_count;
+    std::uint32_t* last_hidden_by;  ///< by sample: a link to the leaf that hid it from the receiver before; kNoChild
     Counts counts;
 };
 

@@ -15,6 +15,11 @@ namespace {
 constexpr float kRounding = 1.0f / 16777216;  // 2^-24: of one operation
 constexpr std::uint64_t kGroupBits = 0xff;
 
+inline const Leaf& get_leaf(const Trace& trace, std::uint32_t link) {
+    const std::uint32_t number = link & ~(kLeaf | kOfBlock);
+    return link & kOfBlock ? trace.roots.leaves[number] : trace.tree.leaves[number];
+}
+
 /// Three edges' forms for each triangle of a leaf, turned so that all three are positive where it hides a sample, and
 /// the bound of their error.
 struct LeafForms {
@@ -308,6 +313,42 @@ inline void test_samples(Trace& trace, const Leaf& leaf, const Receiver& r, cons
     }
 }
 
+// Of up to so many samples it pays to look at their lines first.
+constexpr int kFewSamples = 8;
+
+/// Of a few samples, those whose lines may meet a triangle of the leaf: most meet none, and this is quicker than the
+/// forms, which have a bound for each triangle and look at what lies behind the receiver, below it or beyond the light.
+template <bool kFlat>
+inline std::uint64_t find_meeting(const Leaf& leaf, const Receiver& r, const View& view, const SampleSet& s,
+                                  std::uint64_t mask) {
+    const NearTriangles t(leaf, r);
+    const Vector8 across = cross(t.edge_1, t.edge_2);
+    float away = 0;
+    for (int k = 0; k < 3; ++k) {
+        const float to = float(leaf.origin[k] - r.at[k]);
+        away = to > away ? to : -to > away ? -to : away;
+    }
+    // The bound of make_forms for the largest values that any lane may have.
+    const float a_size = away + leaf.size, edge_size = 2 * leaf.size;
+    const float place_error = a_size * (2 * kRounding) + r.error + 4 * kRounding * leaf.size;
+    const float corner = a_size * (24 * kRounding) + 6 * place_error;
+    const Floats8 error(1.1f * view.direction_size * edge_size * (edge_size * (24 * kRounding) + corner));
+    const Floats8 zero(0.0f);
+    std::uint64_t meeting = 0;
+    for (std::uint64_t left = mask; left != 0; left &= left - 1) {
+        const int sample = __builtin_ctzll(left);
+        const Vector8 d{Floats8(s.u[sample] - view.base_u), Floats8(s.v[sample] - view.base_v),
+                        Floats8((kFlat ? 0 : s.w[sample]) + view.height)};
+        const Vector8 side = cross(d, t.a);
+        const Floats8 sum = dot(d, across), first = dot(side, t.edge_1), second = zero - dot(side, t.edge_2),
+                      third = sum - first - second;
+        const Floats8 least = min(min(first, second), third), most = max(max(first, second), third);
+        const Floats8 inside = max(least, zero - most);
+        if ((find_greater(inside, zero - error) & leaf.lanes) != 0) meeting |= left & -left;
+    }
+    return meeting;
+}
+
 // Of more samples than this triangles are first narrowed to those that may hide any of them.
 constexpr int kManySamples = 12;
 // A triangle against all samples takes about as long as so many samples against all triangles.
@@ -317,7 +358,6 @@ constexpr int kSamplesPerTriangle = 4;
 template <bool kFlat>
 inline int test_leaf(Trace& trace, const Leaf& leaf, const Receiver& r, const View& view, std::uint64_t mask,
                      std::uint64_t& open) {
-    ++trace.counts.leaves;
     const SampleSet& samples = *trace.samples;
     const std::uint64_t before = open;
     LeafForms forms;
@@ -340,6 +380,33 @@ inline int test_leaf(Trace& trace, const Leaf& leaf, const Receiver& r, const Vi
         if (answer.open != 0) open &= ~settle(trace, leaf, r, lane, answer.open);
     }
     return __builtin_popcountll(before ^ open);
+}
+
+/// Notes for the receivers to come which leaf hid these samples.
+inline void note_hidden(Trace& trace, std::uint32_t leaf, std::uint64_t hidden) {
+    for (; hidden != 0; hidden &= hidden - 1) trace.last_hidden_by[__builtin_ctzll(hidden)] = leaf;
+}
+
+/// Samples whose last leaf is this.
+inline std::uint64_t find_same(const std::uint32_t* leaves, std::uint32_t leaf, std::uint64_t mask) {
+    std::uint64_t same = 0;
+    for (; mask != 0; mask &= mask - 1)
+        same |= std::uint64_t(leaves[__builtin_ctzll(mask)] == leaf) << __builtin_ctzll(mask);
+    return same;
+}
+
+/// What hid samples from the receiver before mostly does so again.
+template <bool kFlat>
+void try_last(Trace& trace, const Receiver& r, const View& view, std::uint64_t& open) {
+    for (std::uint64_t left = open; left != 0;) {
+        const std::uint32_t leaf = trace.last_hidden_by[__builtin_ctzll(left)];
+        const std::uint64_t same = find_same(trace.last_hidden_by, leaf, left);
+        left &= ~same;
+        if (leaf == kNoChild) continue;
+        ++trace.counts.leaves;
+        test_leaf<kFlat>(trace, get_leaf(trace, leaf), r, view, same, open);
+        note_hidden(trace, kNoChild, same & open);
+    }
 }
 
 /// Lanes that hide every sample of the box from the receiver.

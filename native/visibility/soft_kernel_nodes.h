@@ -15,6 +15,17 @@ constexpr float kImageError = 1.0f / 1048576;  // 2^-20
 // Boxes that reach down to the receiver are seen at all heights from here on, as parts of the light's.
 constexpr float kLeastHeight = 1e-18f;
 
+// Trees are no deeper than this allows (scene/box_tree.cpp), twice over for instances.
+constexpr int kStackSize = 1024;
+// Up to so many samples are followed as rays.
+constexpr int kFewRays = 2;
+
+/// A child that waits for its turn, with the samples that it may hide.
+struct Waiting {
+    std::uint64_t mask;
+    std::uint32_t child;
+};
+
 /// A receiver as its boxes are tested, with what does not change from node to node.
 struct View {
     float at[3], normal[3];
