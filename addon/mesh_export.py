@@ -4,8 +4,9 @@
 
 from __future__ import annotations
 
+import contextlib
 from collections import Counter
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from typing import Any
 
 import numpy as np
@@ -102,10 +103,35 @@ def _read_triangles(mesh: Any) -> np.ndarray:
     return triangles.view(np.uint32)
 
 
+def is_edited(mesh: Any) -> bool:
+    """Whether an evaluated mesh is that of an edited object: it may then seem empty until `to_mesh` is asked for."""
+    return bool(mesh.is_editmode)
+
+
 def read_object(item: Any, name: str, hidden_slots: frozenset) -> MeshData | None:
     """As read_mesh, for an evaluated object whose `data` isn't what is drawn (edit mode, subdivision on the GPU)."""
-    try:
-        mesh = item.to_mesh()
+    with drawn_mesh(item) as mesh:
         return None if mesh is None else read_mesh(mesh, name, hidden_slots)
+
+
+@contextlib.contextmanager
+def drawn_mesh(item: Any) -> Iterator[Any]:
+    """What is drawn of an evaluated object, whatever its mode, as a mesh that lives for the `with` block; or None."""
+    try:
+        yield item.to_mesh()
     finally:
         item.to_mesh_clear()
+
+
+def find_highest_material_index(item: Any) -> int:
+    """The highest material index of an evaluated object's faces."""
+    if not is_edited(item.data):
+        return _find_highest_index(item.data)
+    with drawn_mesh(item) as mesh:
+        return 0 if mesh is None else _find_highest_index(mesh)
+
+
+def _find_highest_index(mesh: Any) -> int:
+    index = np.zeros(len(mesh.polygons), np.int32)
+    mesh.polygons.foreach_get("material_index", index)
+    return int(index.max(initial=0))

@@ -237,7 +237,8 @@ class _Walk:
         mesh = item.data
         key = (mesh.as_pointer(), hidden)
         if key not in self._mesh_index:
-            if self.in_viewport and parent is None and _data_is_not_final(item):
+            unfinished = self.in_viewport and parent is None and _data_is_not_final(item)
+            if unfinished or mesh_export.is_edited(mesh):
                 source, read = item, mesh_export.read_object
             else:
                 source, read = mesh, mesh_export.read_mesh
@@ -260,7 +261,7 @@ class _Walk:
             return None
         # Material indices beyond the last slot take the last slot.
         if hidden and hidden[-1] == len(slots) - 1:
-            hidden += range(len(slots), _highest_material_index(item.data) + 1)
+            hidden += range(len(slots), mesh_export.find_highest_material_index(item) + 1)
         return frozenset(hidden)
 
     def _facts(self, material: Any, item: Any) -> MaterialFacts:
@@ -319,12 +320,6 @@ def _is_reshaped(update: Any) -> bool:
 
 def _data_is_not_final(item: Any) -> bool:
     return item.mode != "OBJECT" or any(modifier.type == "SUBSURF" for modifier in item.modifiers)
-
-
-def _highest_material_index(mesh: Any) -> int:
-    index = np.zeros(len(mesh.polygons), np.int32)
-    mesh.polygons.foreach_get("material_index", index)
-    return int(index.max(initial=0))
 
 
 def export_for_render(exporter: SceneExporter, depsgraph: Any, camera: Any) -> SceneSnapshot:

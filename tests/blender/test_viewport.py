@@ -60,6 +60,8 @@ def brightness(session, step: str) -> dict[str, float]:
         ("hide_cube", None),
         ("switch_light_off", None),
         ("edit_mesh", "first"),
+        ("enter_edit_mode", "cube moved"),
+        ("leave_edit_mode", "first"),
     ],
 )
 def test_the_shadow_is_where_the_edit_put_it(session, step, dark):

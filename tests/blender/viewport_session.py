@@ -12,6 +12,7 @@ import time
 import traceback
 from pathlib import Path
 
+import bmesh
 import bpy
 
 root, out = (Path(argument) for argument in sys.argv[sys.argv.index("--") + 1 :])
@@ -100,6 +101,28 @@ def edit_mesh() -> None:
     mesh.update()
 
 
+def enter_edit_mode() -> None:
+    """With an edit that is not written back yet: the shadow moves by 4 m again."""
+    cube = bpy.data.objects["Cube"]
+    window, area, region = view()
+    with bpy.context.temp_override(window=window, area=area, region=region):
+        bpy.context.view_layer.objects.active = cube
+        bpy.ops.object.mode_set(mode="EDIT")
+    edited = bmesh.from_edit_mesh(cube.data)
+    for vertex in edited.verts:
+        vertex.co.x += 4
+    bmesh.update_edit_mesh(cube.data)
+
+
+def leave_edit_mode() -> None:
+    cube = bpy.data.objects["Cube"]
+    for vertex in bmesh.from_edit_mesh(cube.data).verts:
+        vertex.co.x -= 4
+    window, area, region = view()
+    with bpy.context.temp_override(window=window, area=area, region=region):
+        bpy.ops.object.mode_set(mode="OBJECT")
+
+
 def render_beside() -> None:
     """F12 as a user starts it: a job beside the interface, with this viewport still in Rendered mode."""
     scene = bpy.context.scene
@@ -128,6 +151,8 @@ STEPS = [
     hide_cube,
     switch_light_off,
     edit_mesh,
+    enter_edit_mode,
+    leave_edit_mode,
 ]
 
 
