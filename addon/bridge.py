@@ -231,6 +231,7 @@ def build_scene(snapshot: SceneSnapshot) -> Any:
                 sun_angle=light.sun_angle,
                 spot_angle=light.spot_angle,
                 spot_blend=light.spot_blend,
+                spot_scale=light.spot_scale,
                 area_size=light.area_size,
                 area_round=light.area_round,
                 casts_shadow=light.casts_shadow,

@@ -8,10 +8,14 @@ from collections import Counter
 from dataclasses import replace
 from typing import Any
 
+import bpy
 import numpy as np
 
 from .camera_export import without_scale
 from .snapshot import LightData
+
+_SCALE_ROUNDING = 1e-6
+_LEAST_SPOT_SCALE = 1e-6  # as the core takes it
 
 
 def is_portal(light: Any) -> bool:
@@ -50,14 +54,32 @@ def light_template(light: Any, name: str) -> LightData:
     return data
 
 
+def find_spot_scale(world_from_object: np.ndarray) -> tuple[float, float]:
+    """A spot's cone follows its object's scale, of which only the ratios to that along z count: the cone's width along
+    x and y, of the round one's. Cycles has done so since 4.0."""
+    if bpy.app.version < (4, 0, 0):
+        return 1.0, 1.0
+    x, y, z = np.linalg.norm(np.asarray(world_from_object, np.float64)[:3, :3], axis=0)
+    if not z > 0:
+        return 1.0, 1.0
+    ratios = [float(side / z) for side in (x, y)]
+    # Matrices are float32: what differs by their rounding is round.
+    return tuple(
+        1.0 if abs(ratio - 1.0) < _SCALE_ROUNDING else min(max(ratio, _LEAST_SPOT_SCALE), 1.0 / _LEAST_SPOT_SCALE)
+        for ratio in ratios
+    )
+
+
 def placed(template: LightData, name: str, world_from_object: np.ndarray) -> LightData:
     """The light at its place: axes without scale, which goes into the area's size."""
     scale = np.linalg.norm(np.asarray(world_from_object, np.float64)[:3, :2], axis=0)
+    spot_scale = find_spot_scale(world_from_object) if template.kind == "SPOT" else template.spot_scale
     size = (template.area_size[0] * float(scale[0]), template.area_size[1] * float(scale[1]))
     return replace(
         template,
         name=name,
         world_from_light=without_scale(world_from_object),
+        spot_scale=spot_scale,
         area_size=size if template.kind == "AREA" else template.area_size,
     )
 

@@ -61,6 +61,7 @@ class LightData:
     sun_angle: float = 0.0
     spot_angle: float = 0.785398
     spot_blend: float = 0.15
+    spot_scale: tuple[float, float] = (1.0, 1.0)
     area_size: tuple[float, float] = (1.0, 1.0)
     area_round: bool = False
     casts_shadow: bool = True
@@ -259,6 +260,7 @@ def _light_to_json(light: LightData) -> dict[str, Any]:
         "sun_angle": float(light.sun_angle),
         "spot_angle": float(light.spot_angle),
         "spot_blend": float(light.spot_blend),
+        "spot_scale": [float(v) for v in light.spot_scale],
         "area_size": [float(v) for v in light.area_size],
         "area_round": bool(light.area_round),
         "casts_shadow": bool(light.casts_shadow),
@@ -272,6 +274,7 @@ def _light_from_json(data: dict[str, Any]) -> LightData:
     values["world_from_light"] = np.array(values["world_from_light"], np.float64).reshape(4, 4)
     values["color"] = tuple(values.get("color", (1.0, 1.0, 1.0)))
     values["area_size"] = tuple(values.get("area_size", (1.0, 1.0)))
+    values["spot_scale"] = tuple(values.get("spot_scale", (1.0, 1.0)))
     for key in ("receiver_set", "blocker_set"):
         values[key] = int(values.get(key, "f" * 16), 16)
     return LightData(**values)

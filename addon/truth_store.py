@@ -62,6 +62,7 @@ def compute_light_key(scene_key: str, light: LightData) -> str:
         {
             "kind": light.kind,
             "spot_angle": float(light.spot_angle) if light.kind == "SPOT" else 0.0,
+            "spot_scale": [float(v) for v in light.spot_scale] if light.kind == "SPOT" else [],
             "casts_shadow": bool(light.casts_shadow),
             "receivers": int(light.receiver_set),
             "blockers": int(light.blocker_set),

@@ -70,19 +70,22 @@ def compute_texel_gradients(
     if light.kind == "SUN":
         gradients[:, 0, 0] = gradients[:, 1, 1] = map_size / max(sun_extent, 1e-300)
         return gradients
-    if light.kind == "SPOT" and light.spot_angle <= WIDEST_CONE_RAD:
+    tangents = np.ones(2)
+    if light.kind == "SPOT":
+        tangents = math.tan(0.5 * light.spot_angle) * np.array(light.spot_scale)
+    if light.kind == "SPOT" and tangents.max() <= math.tan(0.5 * WIDEST_CONE_RAD):
         major = np.full(count, 2)
-        scale = 0.5 * map_size / math.tan(0.5 * light.spot_angle)
+        scales = 0.5 * map_size / tangents
     else:  # a cube face: its axis is the longest component
         major = np.argmax(np.abs(points_ls), axis=1)
-        scale = 0.5 * map_size
+        scales = np.full(2, 0.5 * map_size)
     index = np.arange(count)
     along = points_ls[index, major]
     along = np.where(np.abs(along) < 1e-300, 1e-300, along)
     for row, step in enumerate((1, 2)):
         across = (major + step) % 3
-        gradients[index, row, across] = scale / np.abs(along)
-        gradients[index, row, major] = -scale * points_ls[index, across] / (along * np.abs(along))
+        gradients[index, row, across] = scales[row] / np.abs(along)
+        gradients[index, row, major] = -scales[row] * points_ls[index, across] / (along * np.abs(along))
     return gradients
 
 

@@ -104,6 +104,8 @@ def find_in_cone(points_rel: NDArray[np.floating], origin_ws: NDArray[np.float64
     if light.kind not in ("SPOT", "AREA"):
         return np.ones(len(points_rel), dtype=bool)
     points_ls = compute_view_positions(points_rel, origin_ws, np.asarray(light.world_from_light, np.float64))
+    if light.kind == "SPOT":  # into the space of the lamp's own scale, where its cone is round
+        points_ls = points_ls / np.array([*light.spot_scale, 1.0])
     distance = np.maximum(np.linalg.norm(points_ls, axis=1), 1e-300)
     half_angle = 0.5 * (light.spot_angle if light.kind == "SPOT" else math.pi)
     return -points_ls[:, 2] / distance > math.cos(half_angle) + CONE_RIM

@@ -83,11 +83,12 @@ void set_instances(PyScene& self, const py::object& mesh, const py::object& worl
 std::size_t add_light(PyScene& self, std::string name, const std::string& kind, const py::object& world_from_light,
                       const py::object& color, double energy, double radius, double sun_angle, double spot_angle,
                       double spot_blend, const py::object& area_size, bool area_round, bool casts_shadow,
-                      const py::object& receiver_set, const py::object& blocker_set) {
+                      const py::object& receiver_set, const py::object& blocker_set, const py::object& spot_scale) {
     require_open(self, "add_light");
     const std::string place = "Scene.add_light('" + name + "'): ";
     const auto rgb = numbers_from((place + "color").c_str(), color, 3);
     const auto size = numbers_from((place + "area_size").c_str(), area_size, 2);
+    const auto cone = numbers_from((place + "spot_scale").c_str(), spot_scale, 2);
     Light light;
     light.name = std::move(name);
     light.kind = light_kind_from(kind);
@@ -98,6 +99,7 @@ std::size_t add_light(PyScene& self, std::string name, const std::string& kind, 
     light.sun_angle = sun_angle;
     light.spot_angle = spot_angle;
     light.spot_blend = spot_blend;
+    light.spot_scale = {cone[0], cone[1]};
     light.area_size = {size[0], size[1]};
     light.area_round = area_round;
     light.casts_shadow = casts_shadow;
@@ -140,7 +142,7 @@ void bind_scene(py::module_& module) {
              py::arg("spot_angle") = defaults.spot_angle, py::arg("spot_blend") = defaults.spot_blend,
              py::arg("area_size") = py::make_tuple(1, 1), py::arg("area_round") = false, py::arg("casts_shadow") = true,
              py::arg("receiver_set") = py::int_(kAllGroups), py::arg("blocker_set") = py::int_(kAllGroups),
-             "Returns the light's index.")
+             py::arg("spot_scale") = py::make_tuple(1, 1), "Returns the light's index.")
         .def_property_readonly("triangle_count", &triangle_count, "Over all instances.");
 }
 

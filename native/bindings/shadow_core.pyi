@@ -102,6 +102,7 @@ class Scene:
         casts_shadow: bool = True,
         receiver_set: int = 0xFFFFFFFFFFFFFFFF,
         blocker_set: int = 0xFFFFFFFFFFFFFFFF,
+        spot_scale: Sequence[float] = (1, 1),
     ) -> int: ...
     @property
     def triangle_count(self) -> int:

@@ -41,14 +41,16 @@ LightShading::LightShading(const Light& light, const glm::dvec3& origin_ws)
     scale_ = float(kind_ == LightKind::Sun ? 1 / kPi : is_ball ? 1 / (4 * kPi * kPi) : 1 / (kPi * kPi));
     cone_cos_ = float(std::cos(0.5 * light.spot_angle));
     blend_ = float((1.0 - std::cos(0.5 * light.spot_angle)) * light.spot_blend);
+    const glm::dmat3 axes(light.world_from_light);
+    local_from_ws_ = glm::transpose(glm::dmat3(axes[0] / light.spot_scale.x, axes[1] / light.spot_scale.y, axes[2]));
     const double size = is_ball ? light.radius : 0.25 * (light.area_size.x + light.area_size.y);
     least_distance_squared_ = std::max(float(size * size), 1e-30f);
 }
 
-float LightShading::shape(float cone_cosine) const {
-    if (kind_ == LightKind::Area) return std::max(0.0f, cone_cosine);
+float LightShading::shape(const glm::vec3& to_light) const {
+    if (kind_ == LightKind::Area) return std::max(0.0f, -glm::dot(axis_, to_light));
     if (kind_ != LightKind::Spot) return 1;
-    const float inside = cone_cosine - cone_cos_;
+    const float inside = glm::normalize(local_from_ws_ * to_light).z - cone_cos_;
     if (blend_ <= 0) return inside >= 0 ? 1.0f : 0.0f;
     const float t = std::clamp(inside / blend_, 0.0f, 1.0f);
     return t * t * (3 - 2 * t);
@@ -62,7 +64,7 @@ float LightShading::get_radiance(const glm::vec3& position_rel, const glm::vec3&
     const float inverse_distance = 1.0f / std::sqrt(distance_squared);
     const float cosine = glm::dot(normal, to_light) * inverse_distance;
     if (cosine <= 0) return 0;
-    const float cone = shape(-glm::dot(axis_, to_light) * inverse_distance);
+    const float cone = shape(to_light * inverse_distance);
     return scale_ * cosine * cone / std::max(distance_squared, least_distance_squared_);
 }
 

@@ -39,9 +39,10 @@ public:
     float get_radiance(const glm::vec3& position_rel, const glm::vec3& normal) const;
 
 private:
-    float shape(float cone_cosine) const;
+    float shape(const glm::vec3& to_light) const;
     LightKind kind_;
     glm::vec3 position_rel_, axis_;  ///< axis: where the light looks
+    glm::mat3 local_from_ws_;        ///< of directions, into the space where a spot's cone is round
     float scale_, cone_cos_, blend_, least_distance_squared_;
 };
 

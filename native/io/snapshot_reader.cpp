@@ -84,6 +84,10 @@ Light read_light(const JsonField& field) {
     light.sun_angle = field["sun_angle"].number();
     light.spot_angle = field["spot_angle"].number();
     light.spot_blend = field["spot_blend"].number();
+    if (field.object().contains("spot_scale")) {  // older files have none
+        const auto scale = field["spot_scale"].numbers(2);
+        light.spot_scale = {scale[0], scale[1]};
+    }
     const auto size = field["area_size"].numbers(2);
     light.area_size = {size[0], size[1]};
     light.area_round = field["area_round"].boolean();

@@ -13,6 +13,7 @@ FacingRule::FacingRule(const ReceiverSource& receivers, const Light& light, cons
     source_.directional = sample.directional;
     source_.cone_cos = sample.cone_cos;
     source_.cone_sin = sample.cone_sin;
+    for (int axis = 0; axis < 2; ++axis) source_.cone_shrink[axis] = 1 / sample.cone_scale[axis];
     for (int i = 0; i < 3; ++i) {
         source_.to_light[i] = sample.to_light_ws[i];
         source_.place[i] = place[i];

@@ -24,6 +24,7 @@ LightSample make_centre(const Light& light) {
         const double half_angle = 0.5 * std::min(light.spot_angle, std::numbers::pi);
         centre.cone_cos = std::cos(half_angle);
         centre.cone_sin = std::sin(half_angle);
+        centre.cone_scale = light.spot_scale;
     }
     if (light.kind == LightKind::Area) {
         centre.cone_cos = 0;
@@ -77,6 +78,12 @@ void move_to_sample(const Light& light, const SamplePattern& pattern, int i, Lig
 }
 
 }  // namespace
+
+double find_widest_spot_angle(const Light& light) {
+    const double scale = std::max({1.0, light.spot_scale.x, light.spot_scale.y});
+    return scale > 1 ? 2 * std::atan(scale * std::tan(0.5 * std::min(light.spot_angle, std::numbers::pi)))
+                     : light.spot_angle;
+}
 
 glm::dmat3 compute_light_axes(const glm::dmat4& matrix) {
     const glm::dvec3 z = glm::normalize(glm::dvec3(matrix[2]));

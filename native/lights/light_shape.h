@@ -25,6 +25,9 @@ std::vector<LightSample> sample_light_shape(const Light& light, int count,
                                             LightPattern pattern = LightPattern::Sequence,
                                             const PatternShift& shift = {});
 
+/// Full angle (radians) of the round cone that holds all of a spot's cone, which may be wider along x or y.
+double find_widest_spot_angle(const Light& light);
+
 /// Right-handed and orthonormal, z as in `matrix`; a mirrored or slightly skewed light keeps its direction.
 glm::dmat3 compute_light_axes(const glm::dmat4& matrix);
 

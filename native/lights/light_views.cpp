@@ -114,7 +114,7 @@ public:
         : receivers_(receivers), scene_(*receivers.scene), light_(light), settings_(settings), threads_(threads) {}
 
     void add_views(LightSample& sample, const LightSample* previous) const {
-        if (light_.kind == LightKind::Sun || (light_.kind == LightKind::Spot && light_.spot_angle <= kWidestCone)) {
+        if (light_.kind == LightKind::Sun || has_one_cone()) {
             const LightView* kept = previous && !previous->views.empty() ? &previous->views.front() : nullptr;
             const ViewSeed seed = make_single_seed(sample, kept);
             if (!seed.receivers.is_empty()) sample.views.push_back(make_view(seed, kept));
@@ -137,6 +137,10 @@ public:
     }
 
 private:
+    bool has_one_cone() const {
+        return light_.kind == LightKind::Spot && find_widest_spot_angle(light_) <= kWidestCone;
+    }
+
     /// The frame of a sun's map: the scene's bounds across its axes.
     void set_sun_frame(ViewSeed& seed) const {
         const glm::dmat4 ls_from_ws = compute_ls_from_ws(seed);
@@ -159,11 +163,14 @@ private:
                 *interval = {interval->middle() - 0.5 * least, interval->middle() + 0.5 * least};
     }
 
-    /// The frame of a spot's map: the square round its cone; what the scene takes up of it if the light is far away,
+    /// The frame of a spot's map: the rectangle round its cone; what the scene takes up of it if the light is far away,
     /// so that a spot that goes to infinity ends with the texels of a sun.
     void set_spot_frame(ViewSeed& seed) const {
         const double half_side = std::tan(0.5 * light_.spot_angle);
-        seed.u = seed.v = {-half_side, half_side};
+        const double half_u = half_side * find_cone_width(seed.axes[0]),
+                     half_v = half_side * find_cone_width(seed.axes[1]);
+        seed.u = {-half_u, half_u};
+        seed.v = {-half_v, half_v};
         const glm::dmat4 ls_from_ws = compute_ls_from_ws(seed);
         Bounds depths, seen;
         for (const Instance& instance : scene_.instances) {
@@ -184,6 +191,15 @@ private:
         seed.u = u;
         seed.v = v;
         give_width(seed, 0);
+    }
+
+    /// Of a spot's cone along an axis across its direction, of the round one's width: half the side of an ellipse's
+    /// box.
+    double find_cone_width(const glm::dvec3& across) const {
+        const glm::dvec2& scale = light_.spot_scale;
+        if (scale.x == scale.y) return scale.x;
+        const glm::dmat3 axes = compute_light_axes(light_.world_from_light);
+        return glm::length(scale * glm::dvec2(glm::dot(across, axes[0]), glm::dot(across, axes[1])));
     }
 
     /// Sun or narrow spot: one view, turned about its axis where that is worth it. An earlier view's turn is kept.

@@ -42,6 +42,7 @@ struct LightSample {
     glm::dmat3 axes_ws{1.0};          ///< columns: x, y, z of the light's cube axes in world space
     double cone_cos = -2;             ///< spot: cos of half the cone; area: 0 (front half-space); else -2 (everything)
     double cone_sin = 0;              ///< sine of the same angle: that of a far, narrow cone is not in its cosine
+    glm::dvec2 cone_scale{1.0};       ///< spot: the cone's width along the light's x and y, of the round one's
     std::vector<LightView> views;     ///< only those with receivers; empty: no receiver faces this light
     const Scene* scene = nullptr;  ///< that the views were fitted to, for comparison alone; null: none were asked for
     /// Which of them serves a receiver. All that look up a view ask choose_view (shaders/shared/view_choice.h).
@@ -50,7 +51,8 @@ struct LightSample {
     /// The same light from the same point, whatever its views.
     bool is_same_place(const LightSample& other) const {
         return directional == other.directional && position_ws == other.position_ws &&
-               to_light_ws == other.to_light_ws && axes_ws == other.axes_ws && cone_cos == other.cone_cos;
+               to_light_ws == other.to_light_ws && axes_ws == other.axes_ws && cone_cos == other.cone_cos &&
+               cone_scale == other.cone_scale;
     }
 };
 

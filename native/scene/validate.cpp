@@ -14,6 +14,8 @@ namespace {
 
 /// Largest entry of a matrix: products of two stay far from what a float can hold.
 constexpr double kLargestEntry = 1e15;
+/// A spot's cone may be so many times wider along one axis than along another.
+constexpr double kLeastSpotScale = 1e-6;
 /// How far axes may be from unit length and right angles. Blender's matrices are float32.
 constexpr double kAxisTolerance = 1e-3;
 
@@ -94,6 +96,9 @@ void check_light(const Light& light, std::size_t index) {
     check_range(who, "radius", light.radius, 0, kLargestEntry, "");
     check_range(who, "sun_angle", light.sun_angle, 0, std::numbers::pi + 1e-6, "give radians");
     check_range(who, "spot_blend", light.spot_blend, 0, 1, "");
+    for (int axis = 0; axis < 2; ++axis)
+        check_range(who, "spot_scale", light.spot_scale[axis], kLeastSpotScale, 1 / kLeastSpotScale,
+                    "give the light's scale along x and y over that along z");
     check_range(who, "area_size", light.area_size.x, 0, kLargestEntry, "");
     check_range(who, "area_size", light.area_size.y, 0, kLargestEntry, "");
     if (light.kind == LightKind::Spot && !(light.spot_angle > 0 && light.spot_angle <= std::numbers::pi + 1e-6))

@@ -29,7 +29,8 @@ LightParams make_light_params(const Frame& frame, const Light& light, const Ligh
         params.axes_rel[axis] = glm::vec4(glm::dvec4(sample.axes_ws[axis], glm::dot(sample.axes_ws[axis], place_rel)));
     params.place_rel =
         sample.directional ? glm::vec4(glm::vec3(sample.to_light_ws), 0.0f) : glm::vec4(glm::vec3(place_rel), 1.0f);
-    params.cone = glm::vec4(float(sample.cone_cos), float(sample.cone_sin), 0.0f, 0.0f);
+    params.cone = glm::vec4(float(sample.cone_cos), float(sample.cone_sin), float(1 / sample.cone_scale.x),
+                            float(1 / sample.cone_scale.y));
     params.view_choice = sample.choice;
     if (!sample.views.empty()) {
         const LightView& view = sample.views.front();

@@ -26,7 +26,24 @@ double find_half_angle(const Light& light) {
     return 2 * std::numbers::pi;  // everything
 }
 
+/// How much that may turn a direction, times how much it was turned itself.
+double find_spot_stretch(const Light& light) {
+    if (light.kind != LightKind::Spot) return 1;
+    const auto [least, most] = std::minmax({1.0, light.spot_scale.x, light.spot_scale.y});
+    return most / least;
+}
+
 }  // namespace
+
+glm::dvec3 undo_spot_scale(const Light& light, const glm::dvec3& direction) {
+    glm::dvec3 undone = direction;
+    if (light.kind != LightKind::Spot) return undone;
+    for (int axis = 0; axis < 2; ++axis) {
+        const glm::dvec3 along = glm::normalize(glm::dvec3(light.world_from_light[axis]));
+        undone += (1 / light.spot_scale[axis] - 1) * glm::dot(along, direction) * along;
+    }
+    return undone;
+}
 
 LightRule::LightRule(const Scene& scene, const Light& light, const LightSample& sample)
     : scene_(scene),
@@ -43,9 +60,9 @@ bool LightRule::is_linked(std::uint32_t instance) const {
     return light_.receiver_set >> scene_.instances[instance].receiver_group & 1u;
 }
 
-/// Between the light's direction and the way to the place.
+/// Between the light's direction and the way to the place, where the cone is round.
 double LightRule::find_angle(const glm::dvec3& place_ws) const {
-    const glm::dvec3 to_light = find_to_light(place_ws);
+    const glm::dvec3 to_light = undo_spot_scale(light_, find_to_light(place_ws));
     return std::atan2(glm::length(glm::cross(backward_, to_light)), glm::dot(backward_, to_light));
 }
 
@@ -61,8 +78,9 @@ Standings LightRule::find_standings(const Receiver& receiver) const {
     const double turn = find_float_error(receiver), angle = find_angle(receiver.place_ws) - half_angle_;
     const double elevation = glm::dot(receiver.normal, to_light), apart = glm::length(to_light);
     const bool is_linked_to = is_linked(receiver.ids.instance), in_cone = angle <= 0;
+    const double cone_turn = turn * find_spot_stretch(light_);
     // Written so that a light in the receiver itself is uncertain: its angles are not numbers.
-    const bool may_be_inside = !(angle > turn), may_be_outside = !(angle < -turn);
+    const bool may_be_inside = !(angle > cone_turn), may_be_outside = !(angle < -cone_turn);
     const double grazing = (kFloatNormal + turn) * apart;
     Standings found;
     found.may_be_apart = !is_linked_to || may_be_outside;

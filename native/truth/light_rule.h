@@ -39,6 +39,10 @@ struct Standings {
     bool may_be_apart = false, may_be_turned_away = false, may_be_facing = false;
 };
 
+/// A direction in the space of a spot's own scale, where its cone is round about the same axis; of other lights as it
+/// is.
+glm::dvec3 undo_spot_scale(const Light& light, const glm::dvec3& direction);
+
 /// The definition of how receivers stand to one sample of a light, from the light's own description: angles, and
 /// the plane of the receiver's triangle. Shares no formula with the product's own rule.
 class LightRule {

@@ -9,6 +9,7 @@
 #include <limits>
 
 #include "base/thread_pool.h"
+#include "truth/light_rule.h"
 
 namespace shadow_layers::truth {
 namespace {
@@ -56,10 +57,14 @@ bool RayList::is_linked(const Frame& frame, std::size_t pixel) const {
            (light_.receiver_set >> frame.scene->instances[frame.ids[pixel].instance].receiver_group & 1u);
 }
 
+bool RayList::is_in_cone(const glm::vec3& to_light) const {
+    return glm::dot(backward_, to_light) >= cone_cos_ * glm::length(to_light);
+}
+
 bool RayList::faces(const Receiver& receiver, const Target& target, glm::vec3& to_light) const {
     to_light = target.directional ? target.place : target.place - receiver.place;
     return glm::dot(receiver.normal, to_light) > 0 &&
-           (cone_cos_ <= -1 || glm::dot(backward_, to_light) >= cone_cos_ * glm::length(to_light));
+           (cone_cos_ <= -1 || is_in_cone(glm::vec3(undo_spot_scale(light_, to_light))));
 }
 
 void RayList::list_band(const Frame& frame, int top, std::vector<Receiver>& band) const {

@@ -45,6 +45,7 @@ private:
 
     void list_band(const Frame& frame, int top, std::vector<Receiver>& band) const;
     bool is_linked(const Frame& frame, std::size_t pixel) const;
+    bool is_in_cone(const glm::vec3& to_light) const;
     bool faces(const Receiver& receiver, const Target& target, glm::vec3& to_light) const;
     /// A ray is a receiver and a sample: rays of one receiver follow each other.
     std::optional<RTCRay> make_ray(std::size_t index) const;

@@ -4,7 +4,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
+#include "lights/light_shape.h"
 #include "lights/receiver_scan.h"
 #include "lights/view_casters.h"
 #include "scene/bounds.h"
@@ -13,7 +15,7 @@ namespace shadow_layers {
 namespace {
 
 // Spots up to this half angle are worked in one frame: farther from the axis boxes have useless images.
-const double kWidestCosine = std::cos(50 * 3.14159265358979323846 / 180);
+constexpr double kWidestHalfAngle = 50 * std::numbers::pi / 180;
 
 // Enough to know in which direction most edges run.
 constexpr std::size_t kSampledInstances = 64, kSampledTriangles = 1 << 14;
@@ -33,7 +35,7 @@ std::vector<LightFrame> make_light_frames(const Light& light, const LightSample&
     frame.directional = centre.directional;
     frame.axes = centre.axes_ws;
     frame.centre = centre.directional ? glm::dvec3(0.0) : centre.position_ws - picture_origin_ws;
-    const bool is_narrow = light.kind == LightKind::Spot && centre.cone_cos >= kWidestCosine;
+    const bool is_narrow = light.kind == LightKind::Spot && 0.5 * find_widest_spot_angle(light) <= kWidestHalfAngle;
     if (light.kind == LightKind::Sun || light.kind == LightKind::Area || is_narrow) return {frame};
     std::vector<LightFrame> faces;
     for (int face = 0; face < 6; ++face) {

@@ -40,10 +40,10 @@ SoftLight::Stance SoftLight::find_stance(std::size_t pixel) const {
     const double slack = kSlack * (glm::length(to_light) + radius_);
     Stance stance{Which::All, decide(glm::dot(glm::dvec3(frame_.normals[pixel]), to_light), radius_ + slack)};
     if (centre_.cone_cos > -1) {
-        const glm::dvec3 local = to_light * centre_.axes_ws;
-        const double inside =
-            local.z * centre_.cone_sin - std::sqrt(local.x * local.x + local.y * local.y) * centre_.cone_cos;
-        stance.in_cone = decide(inside, cone_reach_ + slack);
+        const facing::Source& source = centre_rule_.source();
+        const auto parts = facing::find_cone_parts<double>(source, {to_light.x, to_light.y, to_light.z});
+        const double inside = parts.along * centre_.cone_sin - parts.across * centre_.cone_cos;
+        stance.in_cone = decide(inside, (cone_reach_ + slack) * facing::find_cone_stretch(source));
     }
     return stance;
 }

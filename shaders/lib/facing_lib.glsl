@@ -7,9 +7,9 @@
 const float kMapDecides = -1.0;
 
 // Is the direction to the light, given in the light's axes, within the cone? `cone`: cosine (below -1: all directions)
-// and sine of half its angle. By the component across the axis, because the cosine of a narrow cone is 1 in float.
-bool is_in_cone(vec3 to_light_axes, vec2 cone) {
-    return cone.x <= -1.0 || length(to_light_axes.xy) * cone.x <= to_light_axes.z * cone.y;
+// and sine of half its angle; what makes it round along x and y. By the component across the axis, because the cosine of a narrow cone is 1 in float.
+bool is_in_cone(vec3 to_light_axes, vec4 cone) {
+    return cone.x <= -1.0 || length(to_light_axes.xy * cone.zw) * cone.x <= to_light_axes.z * cone.y;
 }
 
 // Visibility, or kMapDecides. `to_light` need not be of unit length.

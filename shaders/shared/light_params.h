@@ -22,10 +22,10 @@ struct LightParams {
     mat4 lc_from_rel[kMaxViews];  // by map layer
     vec4 axes_rel[3];             // the sample's x, y and z axis: view choice, cone; w: dot(axis, position), in double
     vec4 place_rel;               // w = 1: the position; w = 0: unit vector towards the sun
-    vec4 cone;                    // cosine (-2: all directions) and sine of half the cone's angle; zw unused
-    ViewChoice view_choice;       // of a map layer
-    vec4 map;                     // texels per side with border, its inverse, border in texels, unused
-    uvec4 receivers;              // light's receiver set (low, high word); z = 1: casts shadows
+    vec4 cone;               // cosine (-2: all directions), sine of half the cone's angle; 1 / its width along x, y
+    ViewChoice view_choice;  // of a map layer
+    vec4 map;                // texels per side with border, its inverse, border in texels, unused
+    uvec4 receivers;         // light's receiver set (low, high word); z = 1: casts shadows
 };
 
 #ifdef __cplusplus

@@ -33,7 +33,7 @@ Receiver fetch_receiver(ivec2 pixel) {
         receiver.to_light_axes[axis] = light.axes_rel[axis].w - dot(light.axes_rel[axis].xyz, position.xyz);
     receiver.fixed_visibility =
         visibility_without_map(position.w > 0.5, group_is_in(uint(normal.w), light.receivers.xy),
-                               is_in_cone(receiver.to_light_axes, light.cone.xy), light.receivers.z != 0u, normal.xyz,
+                               is_in_cone(receiver.to_light_axes, light.cone), light.receivers.z != 0u, normal.xyz,
                                receiver.to_light);
     return receiver;
 }

@@ -282,3 +282,13 @@ def test_a_sheared_light_stays_orthonormal(scene):
     np.testing.assert_allclose(axes.T @ axes, np.eye(3), atol=1e-12)
     expected = np.array(lamp.matrix_world.col[2][:3])
     np.testing.assert_allclose(axes[:, 2], expected / np.linalg.norm(expected), atol=1e-6)
+
+
+@pytest.mark.parametrize("scale", [(1, 1, 1), (2, 2, 2), (1, 2, 1), (-3, 0.5, 2)])
+def test_scale_of_a_spot_goes_into_its_cone(scene, scale):
+    lamp = add_light("SPOT", spot_size=1.0)
+    lamp.scale = scale
+    light = lights_by_name()["Spot"]
+    expected = (1, 1) if bpy.app.version < (4, 0) else (abs(scale[0] / scale[2]), abs(scale[1] / scale[2]))
+    assert light.spot_scale == pytest.approx(expected, rel=1e-6)
+    assert light.spot_angle == pytest.approx(1.0)

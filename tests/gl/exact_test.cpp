@@ -47,6 +47,15 @@ TEST_F(Exact, EqualsRaysWithTheLightAmongTheCasters) {
             EXPECT_EQ(count_different(make_soup_scene(9), make_light(kind, place, {0.3, 0.3, -2}, 150), 1024, 0), 0);
 }
 
+TEST_F(Exact, EqualsRaysUnderStretchedCones) {
+    for (const glm::dvec2& scale : {glm::dvec2(2, 0.5), {6, 1}, {0.2, 1}, {1, 40}})
+        for (const double angle_deg : {30.0, 90.0, 160.0}) {
+            Light light = make_light(LightKind::Spot, {1.5, 1.0, 5.0}, {0, 0, 0.5}, angle_deg);
+            light.spot_scale = scale;
+            EXPECT_EQ(count_different(random_scene(11, 240, 135), light, 256, 50), 0) << scale.x << " " << angle_deg;
+        }
+}
+
 TEST_F(Exact, EqualsRaysOnNeedles) {
     for (unsigned seed = 1; seed <= 4; ++seed)
         for (const LightKind kind : kAllLightKinds)

@@ -104,6 +104,15 @@ TEST_F(SoftExactness, EqualsRaysUnderLightsOfAllSizes) {
     EXPECT_GT(bits_, 10000000u);
 }
 
+TEST_F(SoftExactness, EqualsRaysUnderStretchedCones) {
+    for (const glm::dvec2& scale : {glm::dvec2(2, 0.5), {0.3, 1}, {1, 20}})
+        for (const double angle_deg : {40.0, 100.0}) {
+            Light light = make_soft_light(LightKind::Spot, 0.2);
+            light.spot_angle = glm::radians(angle_deg), light.spot_scale = scale;
+            expect_exact(random_scene(4, 160, 90), light, 16, "stretched cone", 50);
+        }
+}
+
 TEST_F(SoftExactness, EqualsRaysForAnyNumberOfSamples) {
     for (const int samples : {2, 3, 16, 63, 65, 200})
         for (const LightKind kind : {LightKind::Point, LightKind::Sun, LightKind::Area})

@@ -233,7 +233,7 @@ def look_down(width=8, height=8, *, z=10.0, perspective=True, extent=1.0, origin
 def make_light(kind="POINT", location=(0.0, 0.0, 5.0), **keywords):
     matrix = np.eye(4)
     matrix[:3, 3] = location
-    fields = {"spot_angle": 0.8, "receiver_set": pixels.ALL_GROUPS, **keywords}
+    fields = {"spot_angle": 0.8, "spot_scale": (1.0, 1.0), "receiver_set": pixels.ALL_GROUPS, **keywords}
     return SimpleNamespace(kind=kind, world_from_light=matrix, **fields)
 
 

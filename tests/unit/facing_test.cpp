@@ -80,6 +80,21 @@ TEST(Facing, ConeRimIsWhereTheAngleSays) {
     }
 }
 
+TEST(Facing, ConeFollowsTheSpotsScale) {
+    Light light = testing::make_light(LightKind::Spot, {0, 0, 5}, {0, 0, 0}, 60);
+    light.spot_scale = {2.0, 0.5};
+    const glm::dmat3 axes(light.world_from_light);
+    const double reach = 5 * std::tan(glm::radians(30.0));
+    const auto positions = sample_light_shape(light, 1);
+    for (const double turn : {0.0, 0.4, 1.0, 1.6, 2.5})  // round the ellipse that the cone cuts from the ground
+        for (const auto& [part, expected] : {std::pair(0.999, Facing::Undecided), {1.001, Facing::OutsideCone}}) {
+            const glm::dvec3 place = part * reach * (2.0 * std::cos(turn) * axes[0] + 0.5 * std::sin(turn) * axes[1]);
+            const Frame frame = frame_of({{glm::vec3(place), kUp}});
+            EXPECT_EQ(FacingRule(frame, light, positions[0]).classify(0), expected) << turn << " " << part;
+        }
+    EXPECT_NEAR(find_widest_spot_angle(light), 2 * std::atan(2 * std::tan(glm::radians(30.0))), 1e-12);
+}
+
 TEST(Facing, SunPointAndAreaLights) {
     const Frame frame = frame_of({{{3, 0, 0}, kUp}, {{3, 0, 0}, kDown}, {{3, 0, 6}, kDown}, {{-40, 2, 0}, kUp}});
     const auto facing = [&](const Light& light, std::size_t pixel) {

@@ -84,7 +84,8 @@ TEST(LightRule, AgreesWithTheProductsRuleButForTies) {
             for (std::size_t i = 0; i < view.scene->instances.size(); ++i)
                 view.scene->instances[i].receiver_group = std::uint8_t(i % 4);
             Light light = make_light(kind, {1, 1.5, 1.2}, {0, 0, 0.6}, 50);
-            light.radius = 0.2, light.sun_angle = 0.5, light.receiver_set = ~std::uint64_t(4);
+            light.radius = 0.2, light.sun_angle = 0.5, light.spot_scale = {0.7 + 0.3 * seed, 1.3};
+            light.receiver_set = ~std::uint64_t(4);
             const RayOracle oracle(view.scene);
             const Frame frame = oracle.make_frame(view.camera, view.width, view.height);
             for (const LightSample& sample : sample_light_shape(light, 5, LightPattern::Spiral)) {

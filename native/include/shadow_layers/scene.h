@@ -65,7 +65,7 @@ enum class LightKind : std::uint8_t { Sun, Spot, Point, Area };
 inline constexpr std::uint64_t kAllGroups = ~std::uint64_t{0};
 
 /// A light. Its local -Z axis is the direction of sun, spot and area lights; the axes of `world_from_light`
-/// are orthonormal (scale is in `area_size`).
+/// are orthonormal (scale is in `area_size` and `spot_scale`).
 struct Light {
     std::string name;
     LightKind kind = LightKind::Point;
@@ -75,6 +75,7 @@ struct Light {
     double radius = 0.0;                      ///< point and spot: sphere radius, scene units
     double sun_angle = 0.0;                   ///< sun: angular diameter, radians
     double spot_angle = 0.785398;             ///< spot: full cone angle, radians, in (0, pi]
+    glm::dvec2 spot_scale{1.0};               ///< spot: the cone's width along the light's x and y, of the round one's
     double spot_blend = 0.15;                 ///< spot: 0..1, softness of the cone's rim (shading only)
     glm::dvec2 area_size{1.0};                ///< area: world size along the light's x and y
     bool area_round = false;                  ///< area: ellipse instead of rectangle

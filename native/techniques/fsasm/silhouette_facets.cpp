@@ -166,9 +166,10 @@ private:
     /// Does the cone's surface come nearer than that to the place?
     bool is_cut_by_cone(const glm::dvec3& place_rel, double radius) const {
         const glm::dvec3 to_light = find_to_light(glm::dvec4(place_rel, 1));
-        const glm::dvec2 across(glm::dot(sample_.axes_ws[0], to_light), glm::dot(sample_.axes_ws[1], to_light));
-        const double along = glm::dot(sample_.axes_ws[2], to_light);
-        return std::abs(glm::length(across) * sample_.cone_cos - along * sample_.cone_sin) <= radius;
+        const facing::Source& source = rule_.source();
+        const auto parts = facing::find_cone_parts<double>(source, {to_light.x, to_light.y, to_light.z});
+        return std::abs(parts.across * sample_.cone_cos - parts.along * sample_.cone_sin) <=
+               radius * facing::find_cone_stretch(source);
     }
 
     SampleMask find_outside(const SquareForm& rel) const {
