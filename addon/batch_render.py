@@ -156,6 +156,7 @@ def describe_frame(scene: bpy.types.Scene, frame: CapturedFrame, render_ms: floa
         "addon_ms": {stage: round(value, 4) for stage, value in frame.addon_ms.items()},
         "total_ms": round(frame.total_ms, 4),
         "warnings": frame.warnings,
+        "contents": frame.snapshot.contents,
     }
 
 

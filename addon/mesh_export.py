@@ -7,6 +7,7 @@ from __future__ import annotations
 import contextlib
 from collections import Counter
 from collections.abc import Callable, Iterator
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -14,7 +15,17 @@ import numpy as np
 from .snapshot import MeshData
 
 StoreKey = tuple[str, frozenset, int]
-ReadKey = tuple[int, int, int, frozenset]  # address, vertices, polygons, hidden slots
+ReadKey = tuple[int, int, int, frozenset | None]  # address, vertices, polygons, hidden slots
+
+
+@dataclass(frozen=True)
+class ReadMesh:
+    """What was read of a mesh: the arrays (None: nothing to draw), the triangles that it has, and those of its fully
+    transparent materials; both counted by corners, not by what was read."""
+
+    data: MeshData | None = None
+    triangles: int = 0
+    clear: int = 0
 
 
 class MeshStore:
@@ -25,8 +36,8 @@ class MeshStore:
         self._last: dict[StoreKey, MeshData] = {}
         self._current: dict[StoreKey, MeshData] = {}
         self._ordinals: Counter[tuple[str, frozenset]] = Counter()
-        self._last_read: dict[ReadKey, MeshData | None] = {}
-        self._read: dict[ReadKey, MeshData | None] = {}
+        self._last_read: dict[ReadKey, ReadMesh] = {}
+        self._read: dict[ReadKey, ReadMesh] = {}
         self._trust = False
 
     def begin(self, trust: bool = False) -> None:
@@ -39,14 +50,14 @@ class MeshStore:
         self._trust = trust
         self._ordinals.clear()
 
-    def load(self, mesh: Any, hidden_slots: frozenset, read: Callable[[], MeshData | None]) -> MeshData | None:
-        """The arrays of a bpy mesh: trusted ones, or what `read` returns, with old arrays where they are equal."""
+    def load(self, mesh: Any, hidden_slots: frozenset | None, read: Callable[[], ReadMesh]) -> ReadMesh:
+        """What is read of a bpy mesh: trusted arrays, or what `read` returns, with old arrays where they are equal."""
         key = (mesh.as_pointer(), len(mesh.vertices), len(mesh.polygons), hidden_slots)
-        data = self._last_read[key] if self._trust and key in self._last_read else read()
-        if data is not None:
-            data = self._keep(data, hidden_slots)
-        self._read[key] = data
-        return data
+        found = self._last_read[key] if self._trust and key in self._last_read else read()
+        if found.data is not None:
+            found = replace(found, data=self._keep(found.data, hidden_slots))
+        self._read[key] = found
+        return found
 
     def _keep(self, mesh: MeshData, hidden_slots: frozenset) -> MeshData:
         ordinal = self._ordinals[mesh.name, hidden_slots]
@@ -64,6 +75,20 @@ class MeshStore:
 def _same(a: np.ndarray, b: np.ndarray) -> bool:
     # As bytes: a NaN equals itself here.
     return a.shape == b.shape and np.array_equal(a.view(np.uint32), b.view(np.uint32))
+
+
+def read_counted(mesh: Any, name: str, hidden_slots: frozenset | None) -> ReadMesh:
+    """As read_mesh, with the counts; `mesh` None: nothing, `hidden_slots` None: all faces are fully transparent."""
+    triangles = 0 if mesh is None else count_triangles(mesh)
+    if not triangles or hidden_slots is None:
+        return ReadMesh(None, triangles, triangles)
+    clear = _count_hidden_triangles(mesh, hidden_slots) if hidden_slots else 0
+    return ReadMesh(read_mesh(mesh, name, hidden_slots), triangles, clear)
+
+
+def count_triangles(mesh: Any) -> int:
+    """Of a bpy mesh: a face of n corners has n - 2."""
+    return len(mesh.loops) - 2 * len(mesh.polygons)
 
 
 def read_mesh(mesh: Any, name: str, hidden_slots: frozenset = frozenset()) -> MeshData | None:
@@ -108,12 +133,6 @@ def is_edited(mesh: Any) -> bool:
     return bool(mesh.is_editmode)
 
 
-def read_object(item: Any, name: str, hidden_slots: frozenset) -> MeshData | None:
-    """As read_mesh, for an evaluated object whose `data` isn't what is drawn (edit mode, subdivision on the GPU)."""
-    with drawn_mesh(item) as mesh:
-        return None if mesh is None else read_mesh(mesh, name, hidden_slots)
-
-
 @contextlib.contextmanager
 def drawn_mesh(item: Any) -> Iterator[Any]:
     """What is drawn of an evaluated object, whatever its mode, as a mesh that lives for the `with` block; or None."""
@@ -129,6 +148,15 @@ def find_highest_material_index(item: Any) -> int:
         return _find_highest_index(item.data)
     with drawn_mesh(item) as mesh:
         return 0 if mesh is None else _find_highest_index(mesh)
+
+
+def _count_hidden_triangles(mesh: Any, hidden_slots: frozenset) -> int:
+    """Triangles of the faces whose material index is in `hidden_slots`, counted by corners."""
+    index = np.empty(len(mesh.polygons), np.int32)
+    corners = np.empty(len(mesh.polygons), np.int32)
+    mesh.polygons.foreach_get("material_index", index)
+    mesh.polygons.foreach_get("loop_total", corners)
+    return int((corners - 2)[np.isin(index, list(hidden_slots))].sum())
 
 
 def _find_highest_index(mesh: Any) -> int:

@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+import re
 from dataclasses import dataclass
 from typing import Any
 
@@ -17,6 +18,7 @@ from .light_export import LightNamer, is_portal, light_template, object_name, pl
 from .light_linking import LinkSets
 from .materials import OPAQUE_FACTS, MaterialFacts, Opacity, examine, world_lights
 from .picture import border_region, render_settings, render_size
+from .scene_tally import Entry, Fate, SceneTally, is_shapeless
 from .snapshot import (
     INSTANCE_CAMERA,
     INSTANCE_HOLDOUT,
@@ -34,6 +36,7 @@ _SKIPPED_KINDS = {
     "GPENCIL": "grease pencil",
     "GREASEPENCIL": "grease pencil",
 }
+_CURVE_KINDS = {"CURVE", "FONT", "META", "SURFACE"}
 _NAMES_IN_A_WARNING = 5
 _SHAPELESS = {"LIGHT", "CAMERA"}
 _SHAPELESS_DATA = (
@@ -85,7 +88,7 @@ class SceneExporter:
         scene, view_layer = depsgraph.scene_eval, depsgraph.view_layer_eval
         snapshot.jobs = jobs_for(scene, view_layer, walk.lights, walk.warnings)
         walk.end_warnings()
-        snapshot.warnings = walk.warnings
+        snapshot.warnings, snapshot.contents = walk.warnings, walk.tally.describe()
         snapshot.source = {
             "blender": bpy.app.version_string,
             "file": bpy.path.basename(bpy.data.filepath),
@@ -108,10 +111,12 @@ class _Walk:
         self.warnings: list[str] = []
         self._store = store
         self._kinds: list[_Kind] = []
+        self._kind_of_entry: list[int] = []
         self._meshes: list[mesh_export.MeshData] = []
-        self._mesh_index: dict[tuple[int, frozenset], int] = {}
+        self._mesh_index: dict[tuple[int, frozenset | None], tuple[int, mesh_export.ReadMesh]] = {}
         self._materials: dict[int, MaterialFacts] = {}
         self._named: dict[str, list[str]] = {}
+        self.tally = SceneTally()
         light_objects = [item for item in bpy.data.objects if item.type == "LIGHT"]
         self._receivers = LinkSets("receiver", light_objects)
         self._blockers = LinkSets("blocker", light_objects)
@@ -143,7 +148,7 @@ class _Walk:
     def _collect(self) -> np.ndarray:
         """The kind of each instance (-1: nothing to draw), in the depsgraph's order. The loop runs once per instance,
         so it does no more than tell kinds apart; no reference to an instance outlives its turn."""
-        kinds: dict[tuple[int, int, int], int] = {}
+        entries: dict[tuple[int, int, int], int] = {}
         found = []
         for instance in self.depsgraph.object_instances:
             item = instance.object
@@ -155,47 +160,89 @@ class _Walk:
                 key = (instance.instance_object.as_pointer(), data.as_pointer(), instance.parent.as_pointer())
             else:
                 key = (item.as_pointer(), 0, 0)
-            kind = kinds.get(key)
-            if kind is None:
-                kind = kinds[key] = self._new_kind(instance, item)
-            found.append(kind if instance.show_self else -1)
-        return np.array(found, np.int64)
+            entry = entries.get(key)
+            if entry is None:
+                entry = entries[key] = self._new_entry(instance, item)
+            found.append(entry if instance.show_self else -1)
+        entry_of = np.array(found, np.int64)
+        self.tally.end(entry_of)
+        self._check_replaced()
+        return np.array([*self._kind_of_entry, -1], np.int64)[entry_of]
 
-    def _new_kind(self, instance: Any, item: Any) -> int:
+    def _new_entry(self, instance: Any, item: Any) -> int:
         parent = instance.parent if instance.is_instance else None
-        seen = self._space is None or item.visible_in_viewport_get(self._space)
-        kind = self._examine(instance, item, parent) if seen else None
-        if kind is None:
-            return -1
-        self._kinds.append(kind)
-        return len(self._kinds) - 1
-
-    def _examine(self, instance: Any, item: Any, parent: Any) -> _Kind | None:
         real = (instance.instance_object if parent is not None else item).original
-        if item.type == "LIGHT":
-            return self._examine_light(item, real, parent)
-        return self._examine_surface(item, real, parent, instance.show_particles)
+        entry = Entry(item.name, item.type, Fate.HIDDEN, owner=object_name(real))
+        seen = self._space is None or item.visible_in_viewport_get(self._space)
+        kind = self._examine(instance, item, real, entry) if seen else None
+        self._kind_of_entry.append(len(self._kinds) if kind is not None else -1)
+        if kind is not None:
+            self._kinds.append(kind)
+        return self.tally.add(entry)
 
-    def _examine_surface(self, item: Any, real: Any, parent: Any, show_particles: bool) -> _Kind | None:
-        if item.type in _SKIPPED_KINDS:
-            self._name(f"{_SKIPPED_KINDS[item.type]} are not supported and left out", item.name)
-            return None
-        if show_particles:
+    def _examine(self, instance: Any, item: Any, real: Any, entry: Entry) -> _Kind | None:
+        """What there is to draw, and in `entry` what becomes of it."""
+        parent = instance.parent if instance.is_instance else None
+        if item.type == "LIGHT":
+            entry.fate = Fate.SHAPELESS if is_portal(item.data) else Fate.LIGHT
+            return self._examine_light(item, real, parent)
+        if instance.show_particles:
             self._warn_of_hair(item)
         if not isinstance(item.data, bpy.types.Mesh):
-            return None  # curves, text, surfaces and metaballs come again as instances with a mesh
-        flags = self._flags(item, parent)
-        mesh = self._mesh(item, parent) if flags else -1
-        if mesh < 0:
+            self._sort_out(item, parent, entry)
             return None
+        return self._examine_mesh(item, real, parent, entry)
+
+    @staticmethod
+    def _sort_out(item: Any, parent: Any, entry: Entry) -> None:
+        """What has no mesh: nothing to see, something that comes again with a mesh, or a loss."""
+        if item.type in _SKIPPED_KINDS:
+            entry.fate, entry.reason = Fate.LEFT_OUT, f"{_SKIPPED_KINDS[item.type]} are not supported and left out"
+        elif item.type in _CURVE_KINDS:
+            # Geometry nodes also make curves as instances, which no renderer draws.
+            entry.fate = Fate.REPLACED if parent is None or parent.type == "EMPTY" else Fate.EMPTY
+            if item.type == "META":  # the first of a family (A, A.001, A.002) has the mesh of all
+                entry.owner = re.sub(r"\.\d+$", "", entry.owner)
+        elif is_shapeless(item.type):
+            entry.fate = Fate.SHAPELESS
+        else:
+            entry.fate, entry.reason = Fate.LOST, f"objects of the type {item.type} are unknown and left out"
+
+    def _examine_mesh(self, item: Any, real: Any, parent: Any, entry: Entry) -> _Kind | None:
+        flags = self._flags(item, parent)
+        if not flags:
+            return None
+        index, found = self._mesh(item, parent)
+        entry.triangles, entry.clear = found.triangles, found.clear
+        if real.type == "META":
+            entry.owner = re.sub(r"\.\d+$", "", entry.owner)
+        if found.data is None:
+            entry.fate = Fate.TRANSPARENT if found.triangles else Fate.EMPTY
+            if not found.triangles and _should_have_faces(item, real):
+                entry.fate, entry.reason = Fate.LOST, "meshes that came out empty from Blender are lost"
+            return None
+        entry.fate, entry.delivered = Fate.DELIVERED, found.data.triangle_count
         original_parent = parent.original if parent is not None else None
         return _Kind(
             item.name,
-            mesh=mesh,
+            mesh=index,
             flags=flags,
             receiver_group=self._receivers.group(original_parent, real),
             blocker_group=self._blockers.group(original_parent, real),
         )
+
+    def _check_replaced(self) -> None:
+        """Curves and the like whose mesh never came are lost, unless they have no faces."""
+        for entry in self.tally.find_unreplaced():
+            real = next((item for item in bpy.data.objects if object_name(item) == entry.owner), None)
+            if real is None:
+                continue
+            with mesh_export.drawn_mesh(real.evaluated_get(self.depsgraph)) as mesh:
+                entry.triangles = 0 if mesh is None else mesh_export.count_triangles(mesh)
+            if entry.triangles:
+                entry.fate, entry.reason = Fate.LOST, "curves whose mesh did not come from Blender are lost"
+            else:
+                entry.fate = Fate.EMPTY
 
     def _examine_light(self, item: Any, real: Any, parent: Any) -> _Kind | None:
         if is_portal(item.data):
@@ -229,23 +276,26 @@ class _Walk:
         flags |= INSTANCE_HOLDOUT if camera and holdout else 0
         return flags | (INSTANCE_SHADOW if shadow else 0)
 
-    def _mesh(self, item: Any, parent: Any) -> int:
-        """Index of the object's mesh without its fully transparent faces; -1 if nothing is left."""
+    def _mesh(self, item: Any, parent: Any) -> tuple[int, mesh_export.ReadMesh]:
+        """The object's mesh without its fully transparent faces, and its index (-1: nothing is left)."""
         hidden = self._hidden_slots(item)
-        if hidden is None:
-            return -1
         mesh = item.data
         key = (mesh.as_pointer(), hidden)
         if key not in self._mesh_index:
             unfinished = self.in_viewport and parent is None and _data_is_not_final(item)
-            if unfinished or mesh_export.is_edited(mesh):
-                source, read = item, mesh_export.read_object
-            else:
-                source, read = mesh, mesh_export.read_mesh
-            data = self._store.load(mesh, hidden, lambda: read(source, mesh.name_full, hidden))
-            self._mesh_index[key] = -1 if data is None else len(self._meshes)
-            if data is not None:
-                self._meshes.append(data)
+            # An edited mesh, and maybe others, seem empty until they are asked for.
+            unfinished = unfinished or mesh_export.is_edited(mesh) or not len(mesh.polygons)
+
+            def read() -> mesh_export.ReadMesh:
+                if not unfinished:
+                    return mesh_export.read_counted(mesh, mesh.name_full, hidden)
+                with mesh_export.drawn_mesh(item) as drawn:
+                    return mesh_export.read_counted(drawn, mesh.name_full, hidden)
+
+            found = self._store.load(mesh, hidden, read)
+            self._mesh_index[key] = (-1 if found.data is None else len(self._meshes)), found
+            if found.data is not None:
+                self._meshes.append(found.data)
         return self._mesh_index[key]
 
     def _hidden_slots(self, item: Any) -> frozenset | None:
@@ -281,7 +331,8 @@ class _Walk:
         for system in item.particle_systems:
             settings = system.settings
             if settings.type == "HAIR" and settings.render_type == "PATH":
-                self._name("particle hair is not supported and left out", f"{item.name}: {system.name}")
+                name = f"{item.name}: {system.name}"
+                self.tally.add_left_out("particle hair is not supported and left out", name)
 
     def _name(self, warning: str, name: str) -> None:
         names = self._named.setdefault(warning, [])
@@ -290,6 +341,9 @@ class _Walk:
 
     def end_warnings(self) -> None:
         """Ends the list of warnings: what was skipped or approximated, each named once."""
+        for warning, names in self.tally.warn().items():
+            for name in names:
+                self._name(warning, name)
         for warning, names in self._named.items():
             listed = ", ".join(f'"{name}"' for name in names[:_NAMES_IN_A_WARNING])
             more = len(names) - _NAMES_IN_A_WARNING
@@ -316,6 +370,13 @@ def only_moves(depsgraph: Any) -> bool:
 def _is_reshaped(update: Any) -> bool:
     is_object = isinstance(update.id, bpy.types.Object)
     return is_object and update.is_updated_geometry and update.id.type not in _SHAPELESS
+
+
+def _should_have_faces(item: Any, real: Any) -> bool:
+    """Whether nothing stands between an object's own faces and what is drawn: no modifier, no nodes, no edit."""
+    data = real.data
+    plain = real.type == "MESH" and real.mode != "EDIT" and not real.modifiers
+    return plain and item.data.name == data.name and len(data.polygons) > 0
 
 
 def _data_is_not_final(item: Any) -> bool:

@@ -119,6 +119,7 @@ class SceneSnapshot:
     jobs: list[Job] = field(default_factory=list)
     warnings: list[str] = field(default_factory=list)
     source: dict[str, Any] = field(default_factory=dict)
+    contents: dict[str, Any] = field(default_factory=dict)  # of scene_tally.py: what the scene holds, what is lost
 
     @property
     def instance_count(self) -> int:
@@ -214,6 +215,7 @@ class SceneSnapshot:
             },
             "jobs": [{"light": j.light, "technique": j.technique, "parameters": j.parameters} for j in self.jobs],
             "warnings": list(self.warnings),
+            "contents": self.contents,
         }
 
 
@@ -310,6 +312,7 @@ def _from_archive(archive: zipfile.ZipFile) -> SceneSnapshot:
         lights=[_light_from_json(light) for light in document["lights"]],
         jobs=[Job(job["light"], job["technique"], job.get("parameters", {})) for job in document["jobs"]],
         warnings=list(document.get("warnings", [])),
+        contents=dict(document.get("contents", {})),
         source=dict(document.get("source", {})),
         **{name: _read_array(archive, name, dtype) for name, dtype, _shape in _INSTANCE_MEMBERS},
     )
