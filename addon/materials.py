@@ -28,6 +28,7 @@ class MaterialFacts:
 
     opacity: Opacity = Opacity.OPAQUE
     emits: bool = False
+    displaces: bool = False  # moves the surface itself, not its shading alone
 
 
 OPAQUE_FACTS = MaterialFacts()
@@ -46,12 +47,34 @@ def examine(material: Any) -> MaterialFacts:
     output = tree.get_output_node("CYCLES") or tree.get_output_node("ALL")
     if output is None:
         return OPAQUE_FACTS
+    displaces = _moves_surface(material, output)
     surface, volume = output.inputs.get("Surface"), output.inputs.get("Volume")
     if surface is None or not surface.is_linked:
         # Cycles lets rays through a closed surface that holds a volume alone; with neither it is black.
         transparent = volume is not None and volume.is_linked
-        return MaterialFacts(Opacity.TRANSPARENT if transparent else Opacity.OPAQUE)
-    return MaterialFacts(_opacity(surface, (), 0), _emits(surface, (), 0))
+        return MaterialFacts(Opacity.TRANSPARENT if transparent else Opacity.OPAQUE, displaces=displaces)
+    return MaterialFacts(_opacity(surface, (), 0), _emits(surface, (), 0), displaces)
+
+
+def _moves_surface(material: Any, output: Any) -> bool:
+    """True displacement, which Blender 4.1 moved out of the Cycles add-on's properties."""
+    owner = material if hasattr(material, "displacement_method") else getattr(material, "cycles", None)
+    displacement = output.inputs.get("Displacement")
+    linked = displacement is not None and displacement.is_linked
+    return linked and getattr(owner, "displacement_method", "BUMP") in {"DISPLACEMENT", "BOTH"}
+
+
+def is_even_light(light: Any) -> bool:
+    """Whether a light's nodes, if it has any, make it shine alike all over: a plain emission."""
+    if light.node_tree is None or not light.use_nodes:
+        return True
+    output = light.node_tree.get_output_node("CYCLES") or light.node_tree.get_output_node("ALL")
+    source = _source(output.inputs["Surface"], ()) if output is not None else None
+    if source is None:
+        return True  # Cycles shows no light at all
+    node, _output, path = source
+    constants = (_constant(node.inputs.get(name), path) for name in ("Strength", "Color"))
+    return node.type == "EMISSION" and not node.mute and None not in constants
 
 
 def _source(socket: Any, path: tuple) -> tuple[Any, Any, tuple] | None:

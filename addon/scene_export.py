@@ -5,6 +5,7 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Any
 
@@ -18,6 +19,7 @@ from .light_export import LightNamer, is_portal, light_template, object_name, pl
 from .light_linking import LinkSets
 from .materials import OPAQUE_FACTS, MaterialFacts, Opacity, examine, world_lights
 from .picture import border_region, render_settings, render_size
+from .scene_notes import find_light_notes, find_object_notes
 from .scene_tally import Entry, Fate, SceneTally, is_shapeless
 from .snapshot import (
     INSTANCE_CAMERA,
@@ -87,6 +89,7 @@ class SceneExporter:
         walk.fill(snapshot)
         scene, view_layer = depsgraph.scene_eval, depsgraph.view_layer_eval
         snapshot.jobs = jobs_for(scene, view_layer, walk.lights, walk.warnings)
+        walk.note(find_light_notes(walk.lights, snapshot.jobs))
         walk.end_warnings()
         snapshot.warnings, snapshot.contents = walk.warnings, walk.tally.describe()
         snapshot.source = {
@@ -221,6 +224,7 @@ class _Walk:
             if not found.triangles and _should_have_faces(item, real):
                 entry.fate, entry.reason = Fate.LOST, "meshes that came out empty from Blender are lost"
             return None
+        self.note(find_object_notes(self.depsgraph.scene_eval, item))
         entry.fate, entry.delivered = Fate.DELIVERED, found.data.triangle_count
         original_parent = parent.original if parent is not None else None
         return _Kind(
@@ -323,6 +327,8 @@ class _Walk:
             if facts.opacity is Opacity.PARTIAL:
                 self._name("materials with partial or textured transparency are taken as opaque", material.name)
         facts = self._materials[pointer]
+        if facts.displaces:
+            self._name("true displacement of materials is not followed: the surface is taken flat", material.name)
         if facts.emits:
             self._name("light of emissive meshes has no layer", item.name)
         return facts
@@ -333,6 +339,11 @@ class _Walk:
             if settings.type == "HAIR" and settings.render_type == "PATH":
                 name = f"{item.name}: {system.name}"
                 self.tally.add_left_out("particle hair is not supported and left out", name)
+
+    def note(self, notes: Iterable[tuple[str, str]]) -> None:
+        """Pairs of a warning and the name of what it is about."""
+        for warning, name in notes:
+            self._name(warning, name)
 
     def _name(self, warning: str, name: str) -> None:
         names = self._named.setdefault(warning, [])
