@@ -88,7 +88,7 @@ private:
 
 void LightRender::render(Engine& engine, Technique& technique, const LightJob& job, const LightSamples& samples,
                          LayerOutputs& outputs) {
-    if (job.needs.light_samples > 1) engine.count("light_samples", samples.count);
+    if (job.needs.light_samples > 1 && !job.needs.samples_itself) engine.count("light_samples", samples.count);
     if (!job.light.casts_shadow) return answer_unshadowed(engine, job, outputs);
     if (samples.count > 1) return render_many(engine, technique, job, samples, outputs);
     const auto sample = samples.get(0);

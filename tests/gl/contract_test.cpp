@@ -144,6 +144,16 @@ TEST_P(Contract, TellsTheMemoryThatItHolds) {
     EXPECT_GT(bytes, 0);
 }
 
+TEST_P(Contract, TellsHowManySamplesOfTheLightItTook) {
+    const int wanted = technique().needs(resolve_parameters(technique(), {})).light_samples;
+    if (wanted == 1) GTEST_SKIP() << "takes one";
+    SceneView view = random_scene(3, 96, 54);
+    view.scene->lights = {light_above()};
+    const bool has_size = GetParam().is_wide || kind() == LightKind::Area;
+    EXPECT_EQ(render(shared_session(), request_for(view)).at(0).stats.counters.at("light_samples"),
+              has_size ? wanted : 1);
+}
+
 TEST_P(Contract, TwoRendersAreBitIdentical) {
     SceneView view = random_scene(5, 96, 54);
     view.scene->lights = {light_above()};
